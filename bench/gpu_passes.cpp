@@ -250,14 +250,14 @@ class Passes {
     const std::uint64_t bytes = scaled(1 << 28);
     const CudaStream stream;
     const DeviceArray<std::byte> there(bytes, stream.get());
-    const PinnedArray<std::byte> here(bytes);
-    std::fill_n(here.data(), bytes, std::byte{1});
+    const auto here = pinned<std::byte>(bytes);
+    std::fill_n(here.get(), bytes, std::byte{1});
     const double to = by_events(stream.get(), [&] {
-      check(cudaMemcpyAsync(there.data(), here.data(), bytes, cudaMemcpyHostToDevice, stream.get()),
+      check(cudaMemcpyAsync(there.data(), here.get(), bytes, cudaMemcpyHostToDevice, stream.get()),
             "copying");
     });
     const double from = by_events(stream.get(), [&] {
-      check(cudaMemcpyAsync(here.data(), there.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
+      check(cudaMemcpyAsync(here.get(), there.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
             "copying");
     });
     const auto b = static_cast<double>(bytes);

@@ -303,10 +303,9 @@ class DeviceFilter {
     check(gather_ids(kept.ids.ids.data(), second.ids.data(), second.count, fewer.ids.ids.data(),
                      stream),
           "gathering ids");
-    const bool left = found.left != nullptr;
     if (!take_hull(found, fewer.ids, result)) {
       fewer.rows = rows_of(view, second);
-    } else if (!left && request_.rows) {
+    } else if (!result.rows.empty()) {
       result.survivors.ids.resize(second.count);
       download(result.survivors.ids.data(), fewer.ids.ids.data(), second.count, stream);
     }

@@ -1,9 +1,11 @@
 #include "cuda/device_rows.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "cuda/gauge.hpp"
-#include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
@@ -35,13 +37,11 @@ int device_of(const DevicePointView& points) {
 }
 
 Placement place_of_device_points(const DevicePointView& points, const Run& run) {
-  PlaceQuestion question;
-  question.count = points.count;
-  question.dimension = points.dimension;
-  question.point_bytes = points.dimension * scalar_size(points.scalar);
-  question.threads = run.threads;
-  question.on_device = true;
-  return choose_place(question);
+  return choose_place({.count = points.count,
+                       .dimension = points.dimension,
+                       .point_bytes = points.dimension * scalar_size(points.scalar),
+                       .threads = run.threads,
+                       .on_device = true});
 }
 
 Array<double> download_all(const DevicePointView& points, const Run& run) {
@@ -75,15 +75,12 @@ void require_room_for_survivors(std::uint64_t count, unsigned dimension, const R
 }
 
 void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
-  const cudaStream_t stream = cuda_stream_of(points);
-  unsigned long long first = ~0ULL;
-  const DeviceArray<unsigned long long> found(1, stream);
-  upload(found.data(), &first, 1, stream);
-  check(first_not_finite(points, found.data(), stream), "looking for NaN");
-  download(&first, found.data(), 1, stream);
-  if (first < points.count) {
-    const std::uint64_t id = first;
-    (void)download_finite(points, &id, 1, &id, run);
+  constexpr std::uint64_t piece = 1 << 20;
+  for (std::uint64_t first = 0; first < points.count; first += piece) {
+    std::vector<std::uint64_t> names(std::min(piece, points.count - first));
+    std::iota(names.begin(), names.end(), first);
+    (void)download_finite(part_of(points, first, names.size()), nullptr, names.size(), names.data(),
+                          run);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");
 }

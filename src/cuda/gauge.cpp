@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <type_traits>
 
 #include "cuda/kernels/gauge_kernel.hpp"
-#include "parallel/dispatch.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -14,31 +13,17 @@ namespace {
 
 // ---------------------------------------------------------------- points of the host
 
-/// Copies points [begin, end) of the view to packed rows. Every T is exactly an Out.
-template <class T, class Out>
-void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, Out* out) {
-  const std::size_t d = v.dimension;
-  if constexpr (std::is_same_v<T, Out>) {
-    if (v.packed_rows()) {
-      std::memcpy(out, v.address(begin, 0), (end - begin) * d * sizeof(T));
-      return;
-    }
-  }
-  for (std::uint64_t i = begin; i < end; ++i) {
-    for (std::uint32_t j = 0; j < d; ++j) {
-      T value;
-      std::memcpy(&value, v.address(i, j), sizeof value);  // any alignment
-      *out++ = static_cast<Out>(value);
-    }
-  }
-}
-
+/// Copies points [begin, end) of the view to packed rows: floats, and all else as doubles.
 void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, std::byte* out) {
-  with_scalar(v.scalar, [&](auto scalar) {
-    using T = decltype(scalar);
-    using Out = std::conditional_t<std::is_same_v<T, float>, float, double>;
-    pack<T>(v, begin, end, reinterpret_cast<Out*>(out));
-  });
+  const bool is_float = v.scalar == ScalarType::f32;
+  if ((is_float || v.scalar == ScalarType::f64) && v.packed_rows())
+    std::memcpy(out, v.address(begin, 0), (end - begin) * v.dimension * scalar_size(v.scalar));
+  else if (!is_float)
+    load_rows_as_given(v, begin, end, reinterpret_cast<double*>(out));
+  else
+    for (std::uint64_t i = begin; i < end; ++i)
+      for (std::uint32_t j = 0; j < v.dimension; ++j, out += sizeof(float))
+        std::memcpy(out, v.address(i, j), sizeof(float));
 }
 
 /// Appends the survivors of a piece that begins with point `first` of all.
@@ -105,32 +90,12 @@ Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const Poi
 
 // -------------------------------------------------------------- points of the device
 
-void sum_in_place(std::uint64_t* numbers, std::uint64_t count, cudaStream_t stream) {
-  std::size_t bytes = 0;
-  check(sum_counts(nullptr, bytes, numbers, numbers, count, stream), "counting");
-  const DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
-  check(sum_counts(scratch.data(), bytes, numbers, numbers, count, stream), "counting");
-}
-
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points) {
   const cudaStream_t stream = cuda_stream_of(points);
   const DeviceArray<float> nodes = uploaded(table.nodes, stream);
-  const std::uint64_t words = mask_words(points.count);
   const DeviceArray<std::uint32_t> mask(mask_room(points.count), stream);
   check(gauge_mask(table, nodes.data(), points, mask.data(), this_device(), stream), "culling");
-
-  // One offset more than there are tiles: the last offset is the total.
-  const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
-  const DeviceArray<std::uint64_t> offsets(tiles + 1, stream);
-  check(cudaMemsetAsync(offsets.data() + tiles, 0, sizeof(std::uint64_t), stream), "counting");
-  check(count_bits(mask.data(), words, offsets.data(), stream), "counting");
-  sum_in_place(offsets.data(), tiles + 1, stream);
-  DeviceIds result;
-  download(&result.count, offsets.data() + tiles, 1, stream);
-  result.ids = DeviceArray<std::uint64_t>(result.count, stream);
-  if (result.count > 0)
-    check(list_bits(mask.data(), words, offsets.data(), result.ids.data(), stream), "listing");
-  return result;
+  return list_bits(mask.data(), mask_words(points.count), stream);
 }
 
 Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
@@ -145,103 +110,31 @@ Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePo
 
 namespace {
 
-const std::byte* point_address(const DevicePointView& points, std::uint64_t i) {
-  return static_cast<const std::byte*>(part_of(points, i, 1).data);
-}
-
-/// Copies the rows of a view, or of some of its points, to the host. Packed rows are copied
-/// directly. Others are first gathered on the device or, if it lacks memory for that, copied by
-/// runs of consecutive points, some of which take a call for each point.
-template <class T>
-class Rows {
- public:
-  /// `ids`: the points to copy; null: all. `most`: the most points of one call of copy().
-  Rows(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t most)
-      : points_(points), ids_(ids), gathers_(ids != nullptr || !points.packed_rows()) {
-    if (!gathers_) return;
-    try {
-      packed_ = DeviceArray<T>(most * points.dimension, cuda_stream_of(points));
-      if (ids != nullptr) piece_ids_ = DeviceArray<std::uint64_t>(most, cuda_stream_of(points));
-    } catch (const OutOfMemory&) {
-      packed_ = {};
-      gathers_ = false;
-    }
-  }
-
-  /// Starts copying rows [first, first + n) of the selected ones to `to`, on the points' stream.
-  void copy(std::uint64_t first, std::uint64_t n, T* to) const {
-    if (!gathers_) return copy_records(first, n, to);
-    const cudaStream_t stream = cuda_stream_of(points_);
-    const DevicePointView part = ids_ == nullptr ? part_of(points_, first, n) : points_;
-    if (ids_ != nullptr) upload(piece_ids_.data(), ids_ + first, n, stream);
-    check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream), "gathering points");
-    copy_packed(packed_.data(), n * points_.dimension, to);
-  }
-
- private:
-  void copy_packed(const void* from, std::uint64_t values, T* to) const {
-    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost,
-                          cuda_stream_of(points_)),
-          "copying points from the device");
-  }
-
-  /// Copies the selected rows without gathering them: each run of consecutive ids by copy_run().
-  void copy_records(std::uint64_t first, std::uint64_t n, T* to) const {
-    const unsigned d = points_.dimension;
-    if (ids_ == nullptr) return copy_run(point_address(points_, first), n, to);
-    for (std::uint64_t begin = 0, end = 1; begin < n; begin = end++) {
-      while (end < n && ids_[first + end] == ids_[first + end - 1] + 1) ++end;
-      copy_run(point_address(points_, ids_[first + begin]), end - begin, to + begin * d);
-    }
-  }
-
-  /// Copies `n` consecutive points with any strides.
-  void copy_run(const std::byte* from, std::uint64_t n, T* to) const {
-    const unsigned d = points_.dimension;
-    if (points_.packed_rows()) return copy_packed(from, n * d, to);
-    if (points_.coordinate_stride == std::ptrdiff_t{sizeof(T)}) return copy_strided(from, d, n, to);
-    for (unsigned j = 0; j < d; ++j)
-      copy_strided(from + static_cast<std::ptrdiff_t>(j) * points_.coordinate_stride, 1, n, to + j);
-  }
-
-  /// Copies `width` consecutive values of each of `n` points into rows of as many values as the
-  /// dimension.
-  void copy_strided(const std::byte* from, unsigned width, std::uint64_t n, T* to) const {
-    constexpr std::ptrdiff_t longest_pitch = 0x7FFFFFFF;
-    const std::ptrdiff_t pitch = points_.point_stride;
-    const std::size_t row = points_.dimension * sizeof(T), bytes = width * sizeof(T);
-    if (pitch >= static_cast<std::ptrdiff_t>(bytes) && pitch <= longest_pitch) {
-      check(cudaMemcpy2DAsync(to, row, from, static_cast<std::size_t>(pitch), bytes, n,
-                              cudaMemcpyDeviceToHost, cuda_stream_of(points_)),
-            "copying points from the device");
-      return;
-    }
-    for (std::uint64_t i = 0; i < n; ++i)
-      copy_packed(from + static_cast<std::ptrdiff_t>(i) * pitch, width, to + i * points_.dimension);
-  }
-
-  const DevicePointView& points_;
-  const std::uint64_t* ids_;
-  bool gathers_;
-  DeviceArray<T> packed_;
-  DeviceArray<std::uint64_t> piece_ids_;
-};
-
+/// Packed rows in the device's memory are copied. Others a kernel writes into pinned memory, where
+/// it reads the ids, too: a full device has no other.
 template <class T>
 Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
                           std::uint64_t count, const Run& run) {
   const unsigned d = points.dimension;
-  const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
+  const std::uint64_t piece =
+      std::min(count, std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d));
   const cudaStream_t stream = cuda_stream_of(points);
-  const std::shared_ptr<T> here = landing<T>(std::min(piece, count) * d);
-  Rows<T> source(points, ids, std::min(piece, count));
+  const bool gathers = ids != nullptr || !points.packed_rows();
+  const std::shared_ptr<T> here = gathers ? pinned<T>(piece * d) : landing<T>(piece * d);
+  const auto ids_here = pinned<std::uint64_t>(ids != nullptr ? piece : 0);
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     run.check();
     const std::uint64_t n = std::min(piece, count - first);
-    Settled settled(stream);  // where a copy is refused, others may be on their way to `here`
-    source.copy(first, n, here.get());
-    settled.wait("copying points from the device");
+    const DevicePointView part = ids == nullptr ? part_of(points, first, n) : points;
+    if (ids != nullptr) std::copy_n(ids + first, n, ids_here.get());
+    if (gathers)
+      check(gather_rows(part, ids_here.get(), n, here.get(), stream), "gathering points");
+    else
+      check(
+          cudaMemcpyAsync(here.get(), part.data, n * d * sizeof(T), cudaMemcpyDeviceToHost, stream),
+          "copying points from the device");
+    synchronise(stream, "copying points from the device");
     run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::copy(here.get() + begin, here.get() + end, rows.data() + first * d + begin);
     });

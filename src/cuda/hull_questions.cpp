@@ -12,25 +12,6 @@
 namespace cullhull::internal {
 namespace {
 
-/// Memory on the device that grows as needed.
-template <class T>
-T* room_in(DeviceArray<T>& array, std::uint64_t count, cudaStream_t stream) {
-  if (array.size() < count) {
-    array = {};
-    array = DeviceArray<T>(count, stream);
-  }
-  return array.data();
-}
-
-template <class T>
-void put_each(T* out, const std::vector<std::uint64_t>& ids, const T* items, cudaStream_t stream) {
-  const DeviceArray<std::uint64_t> ids_there = uploaded(ids, stream);
-  const DeviceArray<T> items_there = uploaded(std::span(items, ids.size()), stream);
-  check(scatter_items(ids_there.data(), items_there.data(), ids.size(), out, stream),
-        "copying answers");
-  synchronise(stream, "copying answers");
-}
-
 class QuestionsThere final : public QuestionsOnDevice {
  public:
   QuestionsThere(const DevicePointView& view, const HullTables* tables, KeptTables& kept)
@@ -50,43 +31,39 @@ class QuestionsThere final : public QuestionsOnDevice {
       left = survivors_of_device_points(*inner, part);
       check(cudaMemsetAsync(out, codes.inside, count, stream_), "clearing device memory");
     }
-    const OpenList open = begin_open(count);
-    check(ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, there, codes, out,
-                    open, stream_),
-          "asking a hull");
-    return listed(first);
+    return answered(first, count, [&](const OpenList& open) {
+      return ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, there, codes,
+                       out, open, stream_);
+    });
   }
   std::vector<std::uint64_t> sides(const FacetCellTable& cells, SideCodes codes,
                                    std::uint64_t first, std::uint64_t count,
                                    std::uint8_t* out) override {
     const CellsThere there = kept_there(kept_, cells, stream_);
-    const OpenList open = begin_open(count);
-    check(ask_sides_by_cells(part_of(points_, first, count), there, codes, out, open, stream_),
-          "asking a hull");
-    return listed(first);
+    return answered(first, count, [&](const OpenList& open) {
+      return ask_sides_by_cells(part_of(points_, first, count), there, codes, out, open, stream_);
+    });
   }
   std::vector<std::uint64_t> supports(const std::vector<std::uint64_t>& ids, std::uint64_t first,
                                       std::uint64_t count, std::uint64_t* out) override {
     TablesThere there = tables();
     there.vertices = kept_there(kept_, hull_->vertices, stream_);
     const std::uint64_t* const ids_there = kept_there(kept_, ids, stream_);
-    const OpenList open = begin_open(count);
-    check(ask_supports(part_of(points_, first, count), there, ids_there, out, open, stream_),
-          "asking a hull");
-    return listed(first);
+    return answered(first, count, [&](const OpenList& open) {
+      return ask_supports(part_of(points_, first, count), there, ids_there, out, open, stream_);
+    });
   }
   std::vector<std::uint64_t> distances(std::uint64_t first, std::uint64_t count,
                                        double* out) override {
     TablesThere there = tables();
     there.simplices = kept_there(kept_, hull_->simplices, stream_);
     there.planes = kept_there(kept_, hull_->planes, stream_);
-    const OpenList open = begin_open(count);
-    check(ask_distances(part_of(points_, first, count), there, out, open, stream_),
-          "asking a hull");
-    return listed(first);
+    return answered(first, count, [&](const OpenList& open) {
+      return ask_distances(part_of(points_, first, count), there, out, open, stream_);
+    });
   }
 
-  void* room(std::uint64_t bytes) override { return room_in(answers_, bytes, stream_); }
+  void* room(std::uint64_t bytes) override { return answers_.reserve(bytes, stream_); }
   void require_room(const void* answers, std::size_t item) const override {
     if (device_of_memory(answers, "the memory for answers is") != this_device().ordinal)
       throw Error(ErrorCode::invalid_argument,
@@ -101,13 +78,15 @@ class QuestionsThere final : public QuestionsOnDevice {
   void put(void* to, const void* from, std::uint64_t bytes) const override {
     upload(static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, stream_);
   }
-  void put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
-                 const std::uint8_t* items) const override {
-    put_each(out, ids, items, stream_);
-  }
-  void put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
-                 const std::uint64_t* items) const override {
-    put_each(out, ids, items, stream_);
+  void put_items(void* out, const std::vector<std::uint64_t>& ids, const void* items,
+                 std::size_t item) const override {
+    const std::span bytes(static_cast<const std::byte*>(items), ids.size() * item);
+    const DeviceArray<std::uint64_t> ids_there = uploaded(ids, stream_);
+    const DeviceArray<std::byte> items_there = uploaded(bytes, stream_);
+    check(scatter_items(ids_there.data(), items_there.data(), item, bytes.size(),
+                        static_cast<std::byte*>(out), stream_),
+          "copying answers");
+    synchronise(stream_, "copying answers");
   }
   Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const override {
     return download_points(points_, ids.data(), ids.size(), run);
@@ -125,17 +104,17 @@ class QuestionsThere final : public QuestionsOnDevice {
     t.vertex_count = static_cast<std::uint32_t>(hull_->vertices.size() / hull_->dimension);
     return t;
   }
-  /// The list for the points that a kernel leaves open, empty. The count is the first word.
-  OpenList begin_open(std::uint64_t count) {
-    std::uint32_t* const words = room_in(open_, count + 1, stream_);
+  /// The points that ask() leaves open of `count`. It lists them in the order of threads, behind
+  /// their number.
+  template <class Ask>
+  std::vector<std::uint64_t> answered(std::uint64_t first, std::uint64_t count, const Ask& ask) {
+    std::uint32_t* const words = open_.reserve(count + 1, stream_);
     check(cudaMemsetAsync(words, 0, sizeof(std::uint32_t), stream_), "clearing device memory");
-    return {words, words + 1};
-  }
-  std::vector<std::uint64_t> listed(std::uint64_t first) const {
-    std::uint32_t count = 0;
-    download(&count, open_.data(), 1, stream_);
-    std::vector<std::uint32_t> left(count);
-    download(left.data(), open_.data() + 1, count, stream_);
+    check(ask(OpenList{words, words + 1}), "asking a hull");
+    std::uint32_t listed = 0;
+    download(&listed, words, 1, stream_);
+    std::vector<std::uint32_t> left(listed);
+    download(left.data(), words + 1, listed, stream_);
     std::sort(left.begin(), left.end());
     std::vector<std::uint64_t> found(left.begin(), left.end());
     for (std::uint64_t& i : found) i += first;
@@ -147,8 +126,8 @@ class QuestionsThere final : public QuestionsOnDevice {
   KeptTables& kept_;
   const cudaStream_t stream_;
   std::optional<DeviceScope> scope_;
-  DeviceArray<std::uint32_t> open_;
-  DeviceArray<std::byte> answers_;
+  CudaArray<std::uint32_t> open_;
+  CudaArray<std::byte> answers_;
 };
 
 }  // namespace

@@ -88,11 +88,9 @@ class QuestionsOnDevice {
   /// Copies answers to the host, or to the device.
   virtual void fetch(void* to, const void* from, std::uint64_t bytes) const = 0;
   virtual void put(void* to, const void* from, std::uint64_t bytes) const = 0;
-  /// out[ids[k]] = items[k] of an array on the device; complete on return.
-  virtual void put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
-                         const std::uint8_t* items) const = 0;
-  virtual void put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
-                         const std::uint64_t* items) const = 0;
+  /// out[ids[k]] = items[k] of an array on the device, items of `item` bytes; complete on return.
+  virtual void put_items(void* out, const std::vector<std::uint64_t>& ids, const void* items,
+                         std::size_t item) const = 0;
   /// Copies these points to the host, as packed rows.
   virtual Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const = 0;
   /// Copies all points to the host. Throws Error{not_finite} for the first point that is not

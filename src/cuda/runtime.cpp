@@ -18,28 +18,7 @@ namespace {
 
 /// The sticky error that destroyed the context. It is never cleared, since only a new process
 /// recovers.
-class Poison {
- public:
-  void lock() { mutex_.lock(); }
-  void unlock() { mutex_.unlock(); }
-  void set(const std::string& why) {
-    const std::lock_guard lock(mutex_);
-    if (why_.empty()) why_ = why;
-  }
-  std::string get() {
-    const std::lock_guard lock(mutex_);
-    return why_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::string why_;
-};
-
-Poison& poison() {
-  static Poison p;
-  return p;
-}
+std::atomic<const std::string*> poison{nullptr};
 
 /// Guards the list of known devices, also while a device is queried.
 std::mutex& devices_mutex() {
@@ -54,8 +33,6 @@ std::map<int, std::unique_ptr<Device>>& known_devices() {
   return known;
 }
 
-const ForkGuard poison_guard(
-    ForkGuard::Order::inner, [] { poison().lock(); }, [] { poison().unlock(); });
 const ForkGuard devices_guard(
     ForkGuard::Order::outer, [] { devices_mutex().lock(); }, [] { devices_mutex().unlock(); });
 
@@ -97,33 +74,23 @@ bool of_capture(cudaError_t error) {
 
 std::atomic<bool> found_one{false};
 
-/// Bytes of freed memory that a device's pool keeps, so that the next call does not need the
-/// driver: enough for the mask and the survivors of 10^9 points. The pool is the library's own, so
-/// that the device's default pool, which the caller may use, keeps its settings.
-constexpr std::uint64_t pool_keeps = std::uint64_t{512} << 20;
-
+/// The library's own, so that the device's default pool, which the caller may use, keeps its
+/// settings. It keeps freed memory, so that the next call does not need the driver: 512 MiB suffice
+/// for the mask and the survivors of 10^9 points.
 cudaMemPool_t make_pool(int ordinal) {
-  int supported = 0;
   cudaMemPool_t pool = nullptr;
   cudaMemPoolProps properties = {};
   properties.allocType = cudaMemAllocationTypePinned;
   properties.location.type = cudaMemLocationTypeDevice;
   properties.location.id = ordinal;
-  std::uint64_t keeps = pool_keeps;
-  if (cudaDeviceGetAttribute(&supported, cudaDevAttrMemoryPoolsSupported, ordinal) != cudaSuccess ||
-      supported == 0 || cudaMemPoolCreate(&pool, &properties) != cudaSuccess ||
+  std::uint64_t keeps = std::uint64_t{512} << 20;
+  if (cudaMemPoolCreate(&pool, &properties) != cudaSuccess ||
       cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keeps) != cudaSuccess) {
-    (void)cudaGetLastError();  // without a pool the library falls back to cudaMalloc
+    (void)cudaGetLastError();  // a device that has no pools falls back to cudaMalloc
     if (pool != nullptr) (void)cudaMemPoolDestroy(pool);
     return nullptr;
   }
   return pool;
-}
-
-int attribute(cudaDeviceAttr which, int ordinal) {
-  int value = 0;
-  check(cudaDeviceGetAttribute(&value, which, ordinal), "asking the device");
-  return value;
 }
 
 Device query(int ordinal) {
@@ -143,6 +110,9 @@ Device query(int ordinal) {
     probe.error = cudaGetDeviceProperties(&properties, ordinal);
     d.name = properties.name;
     d.memory = properties.totalGlobalMem;
+    d.multiprocessors = static_cast<unsigned>(properties.multiProcessorCount);
+    d.shared_per_multiprocessor = properties.sharedMemPerMultiprocessor;
+    d.shared_per_block = properties.sharedMemPerBlockOptin;
     d.capability = probe.capability = 10 * properties.major + properties.minor;
     probe.name = d.name;
     if (probe.error == cudaSuccess) probe.code_error = probe_device_code();
@@ -153,11 +123,6 @@ Device query(int ordinal) {
     throw Failure(reason);
   }
   d.ordinal = ordinal;
-  d.multiprocessors = static_cast<unsigned>(attribute(cudaDevAttrMultiProcessorCount, ordinal));
-  d.shared_per_multiprocessor =
-      static_cast<std::size_t>(attribute(cudaDevAttrMaxSharedMemoryPerMultiprocessor, ordinal));
-  d.shared_per_block =
-      static_cast<std::size_t>(attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin, ordinal));
   d.pool = make_pool(ordinal);
   found_one = true;
   return d;
@@ -170,7 +135,9 @@ void check(cudaError_t status, const char* doing) {
   const std::string text = std::string(cudaGetErrorString(status));
   (void)cudaGetLastError();  // clears the error, which the next launch would report otherwise
   if (sticky(status)) {
-    poison().set(text);
+    const std::string* none = nullptr;
+    auto why = std::make_unique<const std::string>(text);
+    if (poison.compare_exchange_strong(none, why.get())) (void)why.release();
     throw Failure("CUDA failed " + std::string(doing) + ": " + text);
   }
   if (of_capture(status)) throw Failure(capture_refused);
@@ -181,8 +148,8 @@ void check(cudaError_t status, const char* doing) {
 }
 
 const Device& device(int ordinal) {
-  if (const std::string why = poison().get(); !why.empty())
-    throw Failure("CUDA failed earlier in this process (" + why +
+  if (const std::string* why = poison; why != nullptr)
+    throw Failure("CUDA failed earlier in this process (" + *why +
                   ") and cannot be used until it is restarted");
   const std::lock_guard lock(devices_mutex());
   std::unique_ptr<Device>& d = known_devices()[ordinal];

@@ -103,6 +103,25 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
+/// Device memory whose contents are lost when it grows.
+template <class T>
+class CudaArray {
+ public:
+  T* reserve(std::size_t count, cudaStream_t stream) {
+    if (count > items_.size()) {
+      // Facets grow round by round: a quarter more than asked for, or every round would allocate.
+      const std::size_t more = items_.size() == 0 ? count : count + count / 4;
+      items_ = {};  // freed first, so that the two are never held at once
+      items_ = DeviceArray<T>(more, stream);
+    }
+    return items_.data();
+  }
+  T* data() const { return items_.data(); }
+
+ private:
+  DeviceArray<T> items_;
+};
+
 /// Memory of the current device that may outlive the call and the stream.
 std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream);
 
@@ -112,59 +131,31 @@ std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream)
 void* allocate_pinned(std::size_t bytes);
 void release_pinned(void* memory, std::size_t bytes) noexcept;
 
-/// An array in pinned memory.
+/// Pinned memory for so many items.
 template <class T>
-class PinnedArray {
- public:
-  PinnedArray() = default;
-  explicit PinnedArray(std::size_t count)
-      : data_(static_cast<T*>(allocate_pinned(count * sizeof(T)))), count_(count) {}
-  PinnedArray(PinnedArray&& other) noexcept { *this = std::move(other); }
-  PinnedArray& operator=(PinnedArray&& other) noexcept {
-    std::swap(data_, other.data_);
-    std::swap(count_, other.count_);
-    return *this;
-  }
-  ~PinnedArray() { release_pinned(data_, count_ * sizeof(T)); }
+std::shared_ptr<T> pinned(std::size_t count) {
+  const std::size_t bytes = count * sizeof(T);
+  return {static_cast<T*>(allocate_pinned(bytes)), [bytes](T* p) { release_pinned(p, bytes); }};
+}
 
-  T* data() const noexcept { return data_; }
-  std::size_t size() const noexcept { return count_; }
+/// Owns a stream or an event.
+template <class Handle, auto create, auto destroy, unsigned flags>
+class CudaHandle {
+ public:
+  CudaHandle() { check(create(&handle_, flags), "creating a stream or an event"); }
+  CudaHandle(const CudaHandle&) = delete;
+  CudaHandle& operator=(const CudaHandle&) = delete;
+  ~CudaHandle() { (void)destroy(handle_); }
+  Handle get() const noexcept { return handle_; }
 
  private:
-  T* data_ = nullptr;
-  std::size_t count_ = 0;
+  Handle handle_ = nullptr;
 };
-
 /// A stream that does not wait for the default stream.
-class CudaStream {
- public:
-  CudaStream() {
-    check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream");
-  }
-  CudaStream(const CudaStream&) = delete;
-  CudaStream& operator=(const CudaStream&) = delete;
-  ~CudaStream() {
-    if (stream_ != nullptr) (void)cudaStreamDestroy(stream_);
-  }
-  cudaStream_t get() const noexcept { return stream_; }
-
- private:
-  cudaStream_t stream_ = nullptr;
-};
-
-class CudaEvent {
- public:
-  CudaEvent() {
-    check(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "creating an event");
-  }
-  CudaEvent(const CudaEvent&) = delete;
-  CudaEvent& operator=(const CudaEvent&) = delete;
-  ~CudaEvent() { (void)cudaEventDestroy(event_); }
-  cudaEvent_t get() const noexcept { return event_; }
-
- private:
-  cudaEvent_t event_ = nullptr;
-};
+using CudaStream =
+    CudaHandle<cudaStream_t, cudaStreamCreateWithFlags, cudaStreamDestroy, cudaStreamNonBlocking>;
+using CudaEvent =
+    CudaHandle<cudaEvent_t, cudaEventCreateWithFlags, cudaEventDestroy, cudaEventDisableTiming>;
 
 /// Orders what is submitted to a stream from now on after all work of `other`.
 inline void run_after(cudaStream_t stream, cudaStream_t other) {
@@ -233,8 +224,7 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
 template <class T>
 std::shared_ptr<T> landing(std::size_t count) {
   try {
-    const auto pinned = std::make_shared<PinnedArray<T>>(count);
-    return {pinned, pinned->data()};
+    return pinned<T>(count);
   } catch (const OutOfMemory&) {
     const auto pageable = std::make_shared<Array<T>>(count);
     return {pageable, pageable->data()};
@@ -272,7 +262,7 @@ class Look {
 void download_many(const std::vector<Transfer>& transfers, cudaStream_t stream, const Run& run);
 
 /// Returns cudaSuccess if this build has code that the current device can run, else the error of
-/// looking for an empty kernel.
+/// looking for a kernel.
 cudaError_t probe_device_code();
 
 }  // namespace cullhull::internal

@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -187,11 +186,7 @@ void DeviceQuestions::ask_rest(const std::vector<std::uint64_t>& open, Out* out,
   std::vector<Out> answers(open.size());
   here(PointView::row_major(rows.data(), open.size(), points_.dimension), answers.data(), options_);
   if (answers_stay_) {
-    using Word = std::conditional_t<sizeof(Out) == 1, std::uint8_t, std::uint64_t>;
-    static_assert(sizeof(Word) == sizeof(Out));
-    std::vector<Word> words(open.size());
-    std::memcpy(words.data(), answers.data(), open.size() * sizeof(Out));
-    device_->put_items(reinterpret_cast<Word*>(out), open, words.data());
+    device_->put_items(out, open, answers.data(), sizeof(Out));
   } else {
     for (std::size_t k = 0; k < open.size(); ++k) out[open[k]] = answers[k];
   }

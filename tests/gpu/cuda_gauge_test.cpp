@@ -273,9 +273,9 @@ TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
   const auto rows = made<float>("ball", n, 3, 6);
   const CudaStream stream;
   const OnDevice there(std::vector<float>(rows.size()));
-  PinnedArray<float> pinned(rows.size());
-  std::copy(rows.begin(), rows.end(), pinned.data());
-  check(cudaMemcpyAsync(there.data<float>(), pinned.data(), rows.size() * sizeof(float),
+  const std::shared_ptr<float> memory = pinned<float>(rows.size());
+  std::copy(rows.begin(), rows.end(), memory.get());
+  check(cudaMemcpyAsync(there.data<float>(), memory.get(), rows.size() * sizeof(float),
                         cudaMemcpyHostToDevice, stream.get()),
         "copying");
   Options options;

@@ -28,13 +28,8 @@ class EmulatedExecutor : public HostExecutor<EmulatedExecutor> {
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map map, Combine combine) const {
     std::vector<T> partial(blocks_, identity);
-    const ReduceKernel<T, Map, Combine> kernel{map, combine, identity, count, partial.data()};
-    std::vector<std::vector<T>> tables(blocks_, std::vector<T>(block_size_, identity));
-    const auto table = [&](const GridThread& at) { return tables[at.block].data(); };
-    for_threads([&](const GridThread& at) { kernel.collect(at, table(at)); });
-    for (std::uint32_t width = block_size_ / 2; width > 0; width /= 2)
-      for_threads([&](const GridThread& at) { kernel.fold(at, width, table(at)); });
-    for_threads([&](const GridThread& at) { kernel.finish(at, table(at)); });
+    for (std::uint32_t i = count; i-- > 0;)
+      partial[i % blocks_] = combine(partial[i % blocks_], map(i));
     for (const T& p : partial) identity = combine(identity, p);
     return identity;
   }

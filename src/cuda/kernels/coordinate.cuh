@@ -36,4 +36,19 @@ inline unsigned blocks_for(std::uint64_t threads, unsigned size, std::uint64_t m
   return static_cast<unsigned>(blocks < most ? blocks : most);
 }
 
+/// body(i) for each i of [0, count), a thread an item.
+template <class Body>
+__global__ void __launch_bounds__(256)
+    each_item(const __grid_constant__ Body body, std::uint64_t count) {
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < count; i += step)
+    body(i);
+}
+template <class Body>
+cudaError_t for_each_item(std::uint64_t count, const Body& body, cudaStream_t stream) {
+  if (count == 0) return cudaSuccess;
+  each_item<<<blocks_for(count, 256, 8192), 256, 0, stream>>>(body, count);
+  return cudaGetLastError();
+}
+
 }  // namespace cullhull::internal

@@ -127,34 +127,6 @@ CULLHULL_HD_INLINE void run_step(const Steps& steps, std::uint32_t round, const 
   }
 }
 
-/// A reduction. Every thread combines its items, and every block combines the results of its
-/// threads in a table of one T a thread, in shared memory. partial[b] receives the result of block
-/// b. The block size must be a power of two.
-template <class T, class Map, class Combine>
-struct ReduceKernel {
-  Map map;
-  Combine combine;
-  T identity;
-  std::uint32_t count;
-  T* partial;
-
-  // Phase 1: each thread combines its items.
-  CULLHULL_HD void collect(const GridThread& at, T* table) const {
-    T sum = identity;
-    for (std::uint64_t i = at.first(); i < count; i += at.stride())
-      sum = combine(sum, map(static_cast<std::uint32_t>(i)));
-    table[at.thread] = sum;
-  }
-  // The next phases combine pairs of entries, for width = block_size / 2, block_size / 4, ..., 1.
-  CULLHULL_HD void fold(const GridThread& at, std::uint32_t width, T* table) const {
-    if (at.thread < width) table[at.thread] = combine(table[at.thread], table[at.thread + width]);
-  }
-  // The last phase needs no synchronisation before it: thread 0 wrote table[0] itself.
-  CULLHULL_HD void finish(const GridThread& at, const T* table) const {
-    if (at.thread == 0) partial[at.block] = table[0];
-  }
-};
-
 /// The maximum of the values offered to each cell. If there are few cells, all threads of the
 /// device would contend for them; so there are several copies of the cells, and each block writes
 /// to one. All copies must be zero at the beginning.

@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <cub/block/block_reduce.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <deque>
 #include <memory>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,8 +30,7 @@ namespace cuda_kernels {
 // Launch bounds ask for one block a multiprocessor for kernels that need many registers: with more,
 // ptxas would spill registers to fit.
 constexpr unsigned block_size = 256;
-/// Reductions of structs: 128 threads with a table of at most 20 KB.
-constexpr unsigned reduce_block_size = 128;
+constexpr unsigned reduce_block_size = 128;  // of structs, a guess
 
 __device__ inline GridThread here() { return {blockIdx.x, threadIdx.x, blockDim.x, gridDim.x}; }
 
@@ -89,18 +90,19 @@ __global__ void __launch_bounds__(rounds_block_size, 1)
   if (at.thread == 0) *done = round - first;
 }
 
+/// Every thread combines its items, and every block the results of its threads: partial[b].
 template <class T, class Map, class Combine>
 __global__ void __launch_bounds__(reduce_block_size, 1)
-    reduce(const __grid_constant__ ReduceKernel<T, Map, Combine> kernel) {
-  __shared__ alignas(alignof(T)) unsigned char bytes[sizeof(T) * reduce_block_size];
-  T* table = reinterpret_cast<T*>(bytes);
+    reduce(const __grid_constant__ Map map, const __grid_constant__ Combine combine,
+           const __grid_constant__ T identity, std::uint32_t count, T* partial) {
+  using Reduce = cub::BlockReduce<T, reduce_block_size>;
+  __shared__ typename Reduce::TempStorage storage;
   const GridThread at = here();
-  kernel.collect(at, table);
-  for (unsigned width = reduce_block_size / 2; width > 0; width /= 2) {
-    __syncthreads();
-    kernel.fold(at, width, table);
-  }
-  kernel.finish(at, table);
+  T sum = identity;
+  for (std::uint64_t i = at.first(); i < count; i += at.stride())
+    sum = combine(sum, map(static_cast<std::uint32_t>(i)));
+  sum = Reduce(storage).Reduce(sum, combine);
+  if (at.thread == 0) partial[at.block] = sum;
 }
 
 template <class Body>
@@ -159,25 +161,6 @@ struct KeyOfItem {
 
 }  // namespace cuda_kernels
 
-/// Device memory whose contents are lost when it grows.
-template <class T>
-class CudaArray {
- public:
-  T* reserve(std::size_t count, cudaStream_t stream) {
-    if (count > items_.size()) {
-      // Facets grow round by round: a quarter more than asked for, or every round would allocate.
-      const std::size_t more = items_.size() == 0 ? count : count + count / 4;
-      items_ = {};  // freed first, so that the two are never held at once
-      items_ = DeviceArray<T>(more, stream);
-    }
-    return items_.data();
-  }
-  T* data() const { return items_.data(); }
-
- private:
-  DeviceArray<T> items_;
-};
-
 class CudaExecutor {
  public:
   template <class T>
@@ -235,8 +218,8 @@ class CudaExecutor {
     const unsigned blocks = grid(count, size);
     const DeviceArray<T> partial(blocks, stream_);
     zero(partial.data(), blocks);  // their padding is copied, too
-    cuda_kernels::reduce<<<blocks, size, 0, stream_>>>(
-        ReduceKernel<T, Map, Combine>{map, combine, identity, count, partial.data()});
+    cuda_kernels::reduce<T, Map, Combine>
+        <<<blocks, size, 0, stream_>>>(map, combine, identity, count, partial.data());
     launched();
     return {identity, combine, std::make_unique<Look>(partial.data(), blocks * sizeof(T), stream_)};
   }
@@ -271,8 +254,9 @@ class CudaExecutor {
     return count;
   }
   void send_counts() {
-    if (words_.data() != nullptr && serial_ > (sent_.empty() ? read_ : sent_.back().serial))
-      sent_.emplace_back(serial_, words_.data(), word_count * sizeof(std::uint32_t), stream_);
+    if (words_.data() != nullptr && serial_ > (sent_.empty() ? read_ : sent_.back().first))
+      sent_.emplace_back(serial_, std::make_unique<Look>(
+                                      words_.data(), word_count * sizeof(std::uint32_t), stream_));
   }
   static ItemCount items(const Count& count) {
     if (count.owner_ == nullptr) return {nullptr, count.most_};
@@ -424,15 +408,15 @@ class CudaExecutor {
     return words_.data() + (count.serial_ - 1) % word_count;
   }
   std::uint32_t number_at(std::uint64_t serial) {
-    if (serial > (sent_.empty() ? read_ : sent_.back().serial)) send_counts();
+    if (serial > (sent_.empty() ? read_ : sent_.back().first)) send_counts();
     for (; serial > read_; sent_.pop_front()) {
-      numbers_here_.resize(word_count);
-      std::memcpy(numbers_here_.data(), sent_.front().look.wait(), sent_.front().look.bytes());
-      read_ = sent_.front().serial;
+      (void)sent_.front().second->wait();
+      std::tie(read_, numbers_here_) = std::move(sent_.front());
     }
     if (serial + word_count / 2 <= read_)
       throw Error(ErrorCode::internal, "a number of the device is read too late");
-    return numbers_here_[(serial - 1) % word_count];
+    const auto* numbers = reinterpret_cast<const std::uint32_t*>(numbers_here_->wait());
+    return numbers[(serial - 1) % word_count];
   }
 
   /// Calls CUB twice: the first call returns the size of the scratch memory.
@@ -447,14 +431,8 @@ class CudaExecutor {
   cudaStream_t stream_;
   unsigned processors_;
   std::uint64_t serial_ = 0, read_ = 0;  ///< of the last number asked for, and that is here
-  struct Sent {
-    Sent(std::uint64_t last, const void* from, std::size_t bytes, cudaStream_t stream)
-        : serial(last), look(from, bytes, stream) {}
-    std::uint64_t serial;  ///< of its last number
-    Look look;
-  };
-  std::deque<Sent> sent_;
-  std::vector<std::uint32_t> numbers_here_;
+  std::deque<std::pair<std::uint64_t, std::unique_ptr<const Look>>> sent_;  ///< up to a serial
+  std::unique_ptr<const Look> numbers_here_;
   CudaArray<std::uint32_t> words_, numbers_;
   CudaArray<std::uint64_t> copies_, scratch_;
 };

@@ -22,6 +22,8 @@ namespace cullhull::internal {
 namespace {
 
 constexpr unsigned mask_threads = 512;
+/// Words of a mask that one block converts to ids, and its threads.
+constexpr std::uint32_t tile_words = 1024;
 constexpr unsigned tile_threads = 256;
 constexpr unsigned thread_words = tile_words / tile_threads;
 static_assert(thread_words == 4);
@@ -191,46 +193,28 @@ __global__ void __launch_bounds__(tile_threads)
 
 /// One thread a coordinate: rows are written without gaps.
 template <class T>
-__global__ void gather_kernel(const __grid_constant__ DevicePointView points,
-                              const std::uint64_t* __restrict__ ids, std::uint64_t values,
-                              T* __restrict__ rows) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t e = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; e < values;
-       e += step) {
+struct GatherCoordinate {
+  DevicePointView points;
+  const std::uint64_t* ids;
+  T* rows;
+  __device__ void operator()(std::uint64_t e) const {
     const std::uint64_t row = e / points.dimension;
     rows[e] = coordinate<T>(points, ids != nullptr ? ids[row] : row,
                             static_cast<unsigned>(e % points.dimension));
   }
-}
-
-__global__ void gather_ids_kernel(const std::uint64_t* __restrict__ of,
-                                  const std::uint64_t* __restrict__ at, std::uint64_t count,
-                                  std::uint64_t* __restrict__ out) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < count; i += step)
-    out[i] = of[at[i]];
-}
-
-/// Ids ascend along a thread's loop, so the first one found is its lowest.
-template <class T>
-__global__ void not_finite_kernel(const __grid_constant__ DevicePointView points,
-                                  unsigned long long* first) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
-       i += step) {
-    bool bad = false;
-    for (unsigned j = 0; j < points.dimension; ++j) bad |= !isfinite(coordinate<T>(points, i, j));
-    if (bad) {
-      atomicMin(first, static_cast<unsigned long long>(i));
-      return;
-    }
-  }
-}
-
-constexpr unsigned plain_threads = 256;
-constexpr std::uint64_t most_plain_blocks = 8192;
+};
+struct GatherId {
+  const std::uint64_t *of, *at;
+  std::uint64_t* out;
+  __device__ void operator()(std::uint64_t i) const { out[i] = of[at[i]]; }
+};
 
 }  // namespace
+
+cudaError_t probe_device_code() {
+  cudaFuncAttributes attributes;
+  return cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(&count_kernel));
+}
 
 std::uint32_t most_gauge_nodes(const Device& device) {
   // The map of highest dimension needs at least 12288 nodes, 48 KiB, which every device has.
@@ -256,54 +240,43 @@ cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const Device
   return status;
 }
 
-cudaError_t count_bits(const std::uint32_t* mask, std::uint64_t words, std::uint64_t* counts,
-                       cudaStream_t stream) {
-  if (words == 0) return cudaSuccess;
-  count_kernel<<<blocks_for(words, tile_words), tile_threads, 0, stream>>>(mask, words, counts);
-  return cudaGetLastError();
+void sum_in_place(std::uint64_t* numbers, std::uint64_t count, cudaStream_t stream) {
+  std::size_t bytes = 0;
+  check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, numbers, numbers, count, stream), "counting");
+  const DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
+  check(cub::DeviceScan::ExclusiveSum(scratch.data(), bytes, numbers, numbers, count, stream),
+        "counting");
 }
 
-cudaError_t sum_counts(void* scratch, std::size_t& scratch_bytes, const std::uint64_t* counts,
-                       std::uint64_t* offsets, std::uint64_t items, cudaStream_t stream) {
-  return cub::DeviceScan::ExclusiveSum(scratch, scratch_bytes, counts, offsets, items, stream);
-}
-
-cudaError_t list_bits(const std::uint32_t* mask, std::uint64_t words, const std::uint64_t* offsets,
-                      std::uint64_t* ids, cudaStream_t stream) {
-  if (words == 0) return cudaSuccess;
-  list_kernel<<<blocks_for(words, tile_words), tile_threads, 0, stream>>>(mask, words, offsets,
-                                                                          ids);
-  return cudaGetLastError();
+DeviceIds list_bits(const std::uint32_t* mask, std::uint64_t words, cudaStream_t stream) {
+  // One offset more than there are tiles: the last offset is the total.
+  const unsigned tiles = blocks_for(words, tile_words);
+  const DeviceArray<std::uint64_t> offsets(tiles + std::size_t{1}, stream);
+  check(cudaMemsetAsync(offsets.data(), 0, offsets.size() * sizeof(std::uint64_t), stream),
+        "counting");
+  if (tiles > 0) count_kernel<<<tiles, tile_threads, 0, stream>>>(mask, words, offsets.data());
+  check(cudaGetLastError(), "counting");
+  sum_in_place(offsets.data(), tiles + std::uint64_t{1}, stream);
+  DeviceIds result;
+  download(&result.count, offsets.data() + tiles, 1, stream);
+  result.ids = DeviceArray<std::uint64_t>(result.count, stream);
+  if (result.count > 0)
+    list_kernel<<<tiles, tile_threads, 0, stream>>>(mask, words, offsets.data(), result.ids.data());
+  check(cudaGetLastError(), "listing");
+  return result;
 }
 
 cudaError_t gather_rows(const DevicePointView& points, const std::uint64_t* ids,
                         std::uint64_t count, void* rows, cudaStream_t stream) {
-  const std::uint64_t values = count * points.dimension;
-  if (values == 0) return cudaSuccess;
-  with_device_scalar(points, [&]<class T>() {
-    gather_kernel<<<blocks_for(values, plain_threads, most_plain_blocks), plain_threads, 0,
-                    stream>>>(points, ids, values, static_cast<T*>(rows));
+  return with_device_scalar(points, [&]<class T>() {
+    return for_each_item(count * points.dimension,
+                         GatherCoordinate<T>{points, ids, static_cast<T*>(rows)}, stream);
   });
-  return cudaGetLastError();
 }
 
 cudaError_t gather_ids(const std::uint64_t* of, const std::uint64_t* at, std::uint64_t count,
                        std::uint64_t* out, cudaStream_t stream) {
-  if (count == 0) return cudaSuccess;
-  gather_ids_kernel<<<blocks_for(count, plain_threads, most_plain_blocks), plain_threads, 0,
-                      stream>>>(of, at, count, out);
-  return cudaGetLastError();
-}
-
-cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* first,
-                             cudaStream_t stream) {
-  if (points.count == 0) return cudaSuccess;
-  with_device_scalar(points, [&]<class T>() {
-    not_finite_kernel<T>
-        <<<blocks_for(points.count, plain_threads, most_plain_blocks), plain_threads, 0, stream>>>(
-            points, first);
-  });
-  return cudaGetLastError();
+  return for_each_item(count, GatherId{of, at, out}, stream);
 }
 
 }  // namespace cullhull::internal

@@ -1,5 +1,6 @@
 // The kernels of the gauge map on CUDA devices. Each function launches a kernel on a stream and
-// returns the status of the launch. The callers (gauge.cpp) handle memory and errors.
+// returns the status of the launch, but for list_bits(). The callers (gauge.cpp) handle memory and
+// errors.
 #pragma once
 
 #include <driver_types.h>
@@ -7,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "cuda/gauge.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
@@ -29,19 +31,8 @@ constexpr std::uint64_t mask_room(std::uint64_t count) { return (count + 127) / 
 cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const DevicePointView& points,
                        std::uint32_t* mask, const Device& device, cudaStream_t stream);
 
-/// Words of a mask that one block converts to ids.
-inline constexpr std::uint32_t tile_words = 1024;
-
-/// Writes the number of set bits in tile t to counts[t].
-cudaError_t count_bits(const std::uint32_t* mask, std::uint64_t words, std::uint64_t* counts,
-                       cudaStream_t stream);
-/// Computes offsets[i] = sum of counts[0 .. i). If `scratch` is null, it only sets `scratch_bytes`
-/// to the size of scratch memory needed.
-cudaError_t sum_counts(void* scratch, std::size_t& scratch_bytes, const std::uint64_t* counts,
-                       std::uint64_t* offsets, std::uint64_t items, cudaStream_t stream);
-/// Writes the positions of the set bits, ascending. Those of tile t begin at ids[offsets[t]].
-cudaError_t list_bits(const std::uint32_t* mask, std::uint64_t words, const std::uint64_t* offsets,
-                      std::uint64_t* ids, cudaStream_t stream);
+/// The positions of the set bits, ascending. Allocates, waits for their number, and throws.
+DeviceIds list_bits(const std::uint32_t* mask, std::uint64_t words, cudaStream_t stream);
 
 /// Copies point ids[i] (point i if `ids` is null) to row i of packed rows of the points' scalar
 /// type.
@@ -50,8 +41,5 @@ cudaError_t gather_rows(const DevicePointView& points, const std::uint64_t* ids,
 /// out[i] = of[at[i]].
 cudaError_t gather_ids(const std::uint64_t* of, const std::uint64_t* at, std::uint64_t count,
                        std::uint64_t* out, cudaStream_t stream);
-/// *first = the lowest id of a point with a NaN or an infinity; unchanged if there is none.
-cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* first,
-                             cudaStream_t stream);
 
 }  // namespace cullhull::internal

@@ -256,13 +256,16 @@ __global__ void __launch_bounds__(ask_threads)
   }
 }
 
-template <class T>
-__global__ void scatter_kernel(const std::uint64_t* __restrict__ ids, const T* __restrict__ items,
-                               std::uint64_t count, T* __restrict__ out) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count; k += step)
-    out[ids[k]] = items[k];
-}
+/// A thread a byte.
+struct ScatterByte {
+  const std::uint64_t* ids;
+  const std::byte* items;
+  std::size_t item;
+  std::byte* out;
+  __device__ void operator()(std::uint64_t k) const {
+    out[ids[k / item] * item + k % item] = items[k];
+  }
+};
 
 constexpr std::uint64_t most_blocks = std::uint64_t{1} << 20;
 
@@ -312,17 +315,9 @@ cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& h
   return cudaGetLastError();
 }
 
-template <class T>
-cudaError_t scatter_items(const std::uint64_t* ids, const T* items, std::uint64_t count, T* out,
-                          cudaStream_t stream) {
-  if (count == 0) return cudaSuccess;
-  scatter_kernel<<<blocks_for(count, ask_threads, most_blocks), ask_threads, 0, stream>>>(
-      ids, items, count, out);
-  return cudaGetLastError();
+cudaError_t scatter_items(const std::uint64_t* ids, const std::byte* items, std::size_t item,
+                          std::uint64_t bytes, std::byte* out, cudaStream_t stream) {
+  return for_each_item(bytes, ScatterByte{ids, items, item, out}, stream);
 }
-template cudaError_t scatter_items(const std::uint64_t*, const std::uint8_t*, std::uint64_t,
-                                   std::uint8_t*, cudaStream_t);
-template cudaError_t scatter_items(const std::uint64_t*, const std::uint64_t*, std::uint64_t,
-                                   std::uint64_t*, cudaStream_t);
 
 }  // namespace cullhull::internal

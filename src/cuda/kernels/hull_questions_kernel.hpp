@@ -4,6 +4,7 @@
 
 #include <driver_types.h>
 
+#include <cstddef>
 #include <cstdint>
 
 #include "cuda/hull_questions.hpp"
@@ -57,9 +58,8 @@ cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& h
                          const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream);
 
-/// out[ids[k]] = items[k], k < count. T: std::uint8_t or std::uint64_t.
-template <class T>
-cudaError_t scatter_items(const std::uint64_t* ids, const T* items, std::uint64_t count, T* out,
-                          cudaStream_t stream);
+/// out[ids[k]] = items[k] for items of `item` bytes, `bytes` in all.
+cudaError_t scatter_items(const std::uint64_t* ids, const std::byte* items, std::size_t item,
+                          std::uint64_t bytes, std::byte* out, cudaStream_t stream);
 
 }  // namespace cullhull::internal

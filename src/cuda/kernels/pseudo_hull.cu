@@ -15,34 +15,26 @@ template <unsigned D, class T>
 class SubsetFilter {
  public:
   explicit SubsetFilter(const DevicePointView& points)
-      : points_(points),
-        view_(as_point_view(points)),
+      : view_(as_point_view(points)),
         growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {
     require_aligned<T>(points);
   }
 
-  /// Returns the number of the subset's points that survive.
-  std::uint32_t run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
-                    std::vector<PseudoHullRound>& rounds) {
+  /// The ids of the subset's points that survive, in the device's memory.
+  DeviceIds run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
+                std::vector<PseudoHullRound>& rounds) {
     control.check();
-    growth_.run(rows_in_place<D, T>(view_, subset), size_of(subset), max_rounds, control, rounds);
-    return growth_.left();
-  }
-  /// Writes their ids to device memory.
-  void list(const PseudoSubset& subset, std::uint64_t* ids) {
-    const std::uint32_t listed = growth_.executor().select(
-        size_of(subset), NotCulled{growth_.culled()}, EmitId{subset, ids});
-    if (listed != growth_.left())
+    const auto size = static_cast<std::uint32_t>(subset.size());
+    growth_.run(rows_in_place<D, T>(view_, subset), size, max_rounds, control, rounds);
+    CudaExecutor& executor = growth_.executor();
+    DeviceIds left{{growth_.left(), executor.stream()}, growth_.left()};
+    if (executor.select(size, NotCulled{growth_.culled()}, EmitId{subset, left.ids.data()}) !=
+        left.count)
       throw Error(ErrorCode::internal, "the device lost count of the survivors");
+    return left;
   }
-  CudaExecutor& executor() { return growth_.executor(); }
 
  private:
-  static std::uint32_t size_of(const PseudoSubset& subset) {
-    return static_cast<std::uint32_t>(subset.size());
-  }
-
-  const DevicePointView& points_;
   PointView view_;
   PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth_;
 };
@@ -63,14 +55,12 @@ std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned 
   require_types(points);
   return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
     SubsetFilter<D, T> filter(points);
-    CudaArray<std::uint64_t> ids;
     std::vector<std::vector<std::uint64_t>> kept(subsets);
     for (unsigned s = 0; s < subsets; ++s) {
       const PseudoSubset subset{points.count, s, subsets};
-      const std::uint32_t left = filter.run(subset, max_rounds, control, rounds);
-      kept[s].resize(left);
-      filter.list(subset, filter.executor().reserve(ids, left));
-      if (left != 0) filter.executor().fetch(ids.data(), left, kept[s].data());
+      const DeviceIds left = filter.run(subset, max_rounds, control, rounds);
+      kept[s].resize(left.count);
+      download(kept[s].data(), left.ids.data(), left.count, cuda_stream_of(points));
     }
     return merge_subsets(std::move(kept));
   });
@@ -110,13 +100,8 @@ DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned ma
     throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
   require_types(points);
   return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
-    SubsetFilter<D, T> filter(points);
-    const PseudoSubset all{points.count, 0, 1};
-    DeviceIds left;
-    left.count = filter.run(all, max_rounds, control, rounds != nullptr ? *rounds : unread);
-    left.ids = DeviceArray<std::uint64_t>(left.count, filter.executor().stream());
-    filter.list(all, left.ids.data());
-    return left;
+    return SubsetFilter<D, T>(points).run({points.count, 0, 1}, max_rounds, control,
+                                          rounds != nullptr ? *rounds : unread);
   });
 }
 

@@ -207,9 +207,6 @@ bool count_pinned() {
   return the_settings.failing_pinned_from == 0 || number < the_settings.failing_pinned_from;
 }
 void count_copy() { ++the_counters.copies; }
-bool count_strided_copy() {
-  return static_cast<long>(++the_counters.strided_copies) != the_settings.failing_strided_copy;
-}
 void count_trim() { ++the_counters.trims; }
 void count_wait() {
   ++the_counters.waits;

@@ -31,8 +31,6 @@ void count_allocation(std::ptrdiff_t bytes);
 /// False: the test wants this allocation of pinned memory to fail.
 bool count_pinned();
 void count_copy();
-/// False: the test wants this strided copy to be refused.
-bool count_strided_copy();
 void count_trim();
 void count_wait();
 void count_look();

@@ -196,11 +196,21 @@ TEST_F(EmulatedEdges, CallsWaitSeldom) {
   const auto rows = ball(3, 20000, 5);
   const OnDevice there(rows);
   const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
-  HullTracker tracker(on_device(CullMethod::automatic));
-  EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 4U);
-  EXPECT_LE(waits_of([&] { convex_hull_on_device(view, on_device(CullMethod::automatic)); }), 6U);
+  const Options options = on_device(CullMethod::automatic);
+  EXPECT_LE(waits_of([&] { convex_hull(view, options); }), 4U);
+  EXPECT_LE(waits_of([&] { convex_hull_on_device(view, options); }), 6U);
+  HullTracker tracker(options);
   tracker.update(view);
   EXPECT_LE(waits_of([&] { tracker.update(view); }), 2U);
+  EXPECT_TRUE(testing_support::has(tracker.hull().statistics.cull_reason, "the last frame's"));
+}
+
+// Its first surface is refined, and checked twice.
+TEST_F(EmulatedEdges, ASphereWaitsOnceMore) {
+  const auto rows = testing_support::made<float>("sphere", 25000, 3, 5);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 25000, 3);
+  EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 5U);
 }
 
 // Nor is memory lost where a result is freed while the caller has an unread error.
@@ -296,26 +306,6 @@ TEST_F(EmulatedEdges, OffsetsThatTheHostCanReadAreWaitedFor) {
       found.vertices.items.size(),
       convex_hulls(PointView::row_major(rows.data(), 1000, 3), offsets).vertices.items.size());
   check(cudaFreeHost(pinned));
-}
-
-// Copies that were submitted before the one that is refused still write their target.
-TEST_F(EmulatedEdges, ARefusedStridedCopyLeavesNoneInFlight) {
-  const std::size_t n = 3000;
-  const auto rows = ball(3, n, 5);
-  const OnDevice there(testing_support::transposed(rows, 3));
-  const auto view = DevicePointView::column_major(there.data<float>(), n, 3);
-  for (const long failing : {1L, 2L, 3L}) {
-    keep_memory(0);
-    emulation::restart();
-    emulation::settings().failing_allocations_from = 1;  // no memory to gather rows in
-    emulation::settings().failing_strided_copy = failing;
-    Options options;
-    options.cull = CullMethod::none;
-    EXPECT_THROW((void)convex_hull(view, options), Error);
-    keep_memory(0);  // the target of the copies is gone
-    check(cudaDeviceSynchronize());
-    emulation::settings() = {};
-  }
 }
 
 TEST_F(EmulatedEdges, ThePoolOfADeviceIsTrimmed) {

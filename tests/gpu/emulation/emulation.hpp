@@ -41,7 +41,6 @@ struct Settings {
   long failing_allocation = 0;
   long failing_allocations_from = 0;  ///< this one and all after it
   long failing_pinned_from = 0;
-  long failing_strided_copy = 0;
   long failing_launch = 0;  ///< poisons the process, as an illegal address does
   /// Called once, when a launch has been prepared and not yet been made: what other threads do
   /// then.
@@ -57,7 +56,7 @@ void restart(std::uint64_t seed = 1);
 
 struct Counters {
   std::map<std::string, std::uint64_t> launches;  ///< by the kernel's name
-  std::uint64_t allocations = 0, pinned_allocations = 0, copies = 0, strided_copies = 0, trims = 0;
+  std::uint64_t allocations = 0, pinned_allocations = 0, copies = 0, trims = 0;
   /// Waits for all that a stream has to do, and for a part of it.
   std::uint64_t waits = 0, looks = 0;
   std::size_t live_bytes = 0, peak_bytes = 0;  ///< of device memory

@@ -86,7 +86,7 @@ ERRORS = {
         ),
         "other-stream": Planted(
             "rows gathered on another stream",
-            "gather_rows(part, piece_ids_.data(), n, packed_.data(), «stream»)",
+            "gather_rows(part, ids_here.get(), n, here.get(), «stream»)",
             "nullptr",
             "emulated_tests",
             "EmulatedEdges.WorkIsOrdered*",

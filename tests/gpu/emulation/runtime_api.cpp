@@ -54,17 +54,6 @@ cudaError_t call_on(cudaStream_t stream, const Work& work) {
   });
 }
 
-/// A row at a time where there are several; the packed copy is one row.
-struct Rows {
-  std::size_t width = 0, height = 1, to_pitch = 0, from_pitch = 0;
-
-  void copy(char* to, const char* from) const {
-    for (std::size_t y = 0; y < height; ++y)
-      std::memcpy(to + y * to_pitch, from + y * from_pitch, width);
-  }
-  std::size_t extent(std::size_t pitch) const { return (height - 1) * pitch + width; }
-};
-
 /// The device whose memory this is; an address of the host: the current one.
 int device_of(const void* p) {
   const auto allocation = device_allocation(p);
@@ -73,13 +62,12 @@ int device_of(const void* p) {
 
 /// Puts a copy on the stream. Unified addressing lets it name the memory of any device, also of
 /// two others than the stream's.
-void enqueue_copy(cudaStream_t stream, const Rows& rows, void* to, const void* from,
+void enqueue_copy(cudaStream_t stream, std::size_t bytes, void* to, const void* from,
                   std::shared_ptr<std::vector<char>> staged = nullptr) {
   const int devices[] = {device_of(to), device_of(from)};
   enqueue(stream, [=, staged = std::move(staged)] {
     const DeviceAccess access_to(devices[0]), access_from(devices[1]);
-    rows.copy(static_cast<char*>(to),
-              staged != nullptr ? staged->data() : static_cast<const char*>(from));
+    std::memcpy(to, staged != nullptr ? staged->data() : from, bytes);
   });
 }
 
@@ -87,28 +75,27 @@ void require_host(const void* p) {
   if (device_allocation(p)) violation("a host's address is a device's");
 }
 
-cudaError_t copy(void* to, const void* from, const Rows& rows, cudaMemcpyKind kind,
+cudaError_t copy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
                  cudaStream_t stream) {
-  if (rows.width == 0 || rows.height == 0) return cudaSuccess;
+  if (bytes == 0) return cudaSuccess;
   count_copy();
-  const std::size_t written = rows.extent(rows.to_pitch), read = rows.extent(rows.from_pitch);
   if (kind == cudaMemcpyHostToDevice) {
-    require_device_range(to, written, "a copy to the device");
+    require_device_range(to, bytes, "a copy to the device");
     require_host(from);
     // Pageable memory is staged before the call returns; its way to the device is not done then.
     const auto* source = static_cast<const char*>(from);
     auto staged =
-        is_pinned(from) ? nullptr : std::make_shared<std::vector<char>>(source, source + read);
-    enqueue_copy(stream, rows, to, from, std::move(staged));
+        is_pinned(from) ? nullptr : std::make_shared<std::vector<char>>(source, source + bytes);
+    enqueue_copy(stream, bytes, to, from, std::move(staged));
   } else if (kind == cudaMemcpyDeviceToHost) {
-    require_device_range(from, read, "a copy from the device");
+    require_device_range(from, bytes, "a copy from the device");
     require_host(to);
     // To pageable memory a device copies before the call returns, which nobody should rely on.
-    enqueue_copy(stream, rows, to, from);
+    enqueue_copy(stream, bytes, to, from);
   } else {
-    require_device_range(from, read, "a copy on the device");
-    require_device_range(to, written, "a copy on the device");
-    enqueue_copy(stream, rows, to, from);
+    require_device_range(from, bytes, "a copy on the device");
+    require_device_range(to, bytes, "a copy on the device");
+    enqueue_copy(stream, bytes, to, from);
   }
   return cudaSuccess;
 }
@@ -156,28 +143,11 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int device) {
     std::memset(properties, 0, sizeof *properties);
     std::snprintf(properties->name, sizeof properties->name, "emulated device");
     properties->totalGlobalMem = settings().memory;
+    properties->multiProcessorCount = multiprocessors;
+    properties->sharedMemPerMultiprocessor = shared_per_multiprocessor;
+    properties->sharedMemPerBlockOptin = shared_per_block;
     properties->major = device == settings().unusable_device ? 6 : 9;
     return cudaSuccess;
-  });
-}
-cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int) {
-  return call([&] {
-    switch (attribute) {
-      case cudaDevAttrMultiProcessorCount:
-        *value = multiprocessors;
-        return cudaSuccess;
-      case cudaDevAttrMaxSharedMemoryPerMultiprocessor:
-        *value = shared_per_multiprocessor;
-        return cudaSuccess;
-      case cudaDevAttrMaxSharedMemoryPerBlockOptin:
-        *value = shared_per_block;
-        return cudaSuccess;
-      case cudaDevAttrMemoryPoolsSupported:
-        *value = settings().pools ? 1 : 0;
-        return cudaSuccess;
-      default:
-        return cudaErrorInvalidValue;
-    }
   });
 }
 cudaError_t cudaDeviceSynchronize() {
@@ -192,6 +162,7 @@ cudaError_t cudaDeviceSynchronize() {
 
 cudaError_t cudaMemPoolCreate(cudaMemPool_t* pool, const cudaMemPoolProps* properties) {
   return call([&] {
+    if (!settings().pools) return cudaErrorNotSupported;
     *pool = new CUmemPoolHandle_st{properties->location.id};
     return cudaSuccess;
   });
@@ -256,22 +227,11 @@ cudaError_t cudaFreeHost(void* memory) {
 
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
                             cudaStream_t stream) {
-  return call_on(stream, [&] { return copy(to, from, {bytes, 1, bytes, bytes}, kind, stream); });
-}
-cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from,
-                              std::size_t from_pitch, std::size_t width, std::size_t height,
-                              cudaMemcpyKind kind, cudaStream_t stream) {
-  return call_on(stream, [&] {
-    // The limit of pitches that a device names is 2^31 - 1.
-    if (!count_strided_copy()) return cudaErrorInvalidValue;
-    if (width > to_pitch || width > from_pitch || from_pitch > 0x7FFFFFFF || to_pitch > 0x7FFFFFFF)
-      return cudaErrorInvalidPitchValue;
-    return copy(to, from, {width, height, to_pitch, from_pitch}, kind, stream);
-  });
+  return call_on(stream, [&] { return copy(to, from, bytes, kind, stream); });
 }
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
   return call_on(nullptr, [&] {
-    const cudaError_t error = copy(to, from, {bytes, 1, bytes, bytes}, kind, nullptr);
+    const cudaError_t error = copy(to, from, bytes, kind, nullptr);
     // From pageable memory to a device it returns once the bytes are staged.
     if (kind != cudaMemcpyHostToDevice || is_pinned(from)) {
       about_to_wait();

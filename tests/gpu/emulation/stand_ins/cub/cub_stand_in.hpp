@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <numeric>
 #include <type_traits>
 #include <vector>
@@ -22,13 +23,18 @@ class BlockReduce {
   explicit BlockReduce(TempStorage& storage) : storage_(storage) {}
 
   /// Of use to thread 0 alone: the others get garbage.
-  T Sum(T value) {
+  template <class Combine>
+  T Reduce(T value, const Combine& combine) {
     storage_.values[threadIdx.x] = value;
     emulation::barrier("BlockReduce: written");
-    const T sum = std::accumulate(storage_.values, storage_.values + Threads, T{});
+    if (threadIdx.x == 0)
+      for (int i = 1; i < Threads; ++i) value = combine(value, storage_.values[i]);
+    else
+      std::memset(static_cast<void*>(&value), 0xAB, sizeof value);
     emulation::barrier("BlockReduce: read");
-    return threadIdx.x == 0 ? sum : static_cast<T>(0xABABABAB);
+    return value;
   }
+  T Sum(T value) { return Reduce(value, std::plus<T>()); }
 
  private:
   TempStorage& storage_;
