@@ -54,7 +54,7 @@ struct StarRequest {
 /// Grows a star-shaped surface from points in space, at most 2^28 of them, and makes it convex by
 /// flips, on points.stream; or, if request.last is given, on that surface's own stream, from that
 /// surface if as many points follow, and leaves there the new one if it is whole. Needs 100 bytes
-/// of device memory a point, and 220 more for each that becomes a vertex; 200 more if the hull is
+/// of device memory a point, and 230 more for each that becomes a vertex; 200 more if the hull is
 /// wanted, which there is none of without them. Throws OutOfMemory if there is less, and Failure if
 /// the device fails.
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,

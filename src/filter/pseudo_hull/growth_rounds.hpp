@@ -21,6 +21,7 @@ class GrowthRounds {
   void begin(std::uint32_t points, std::uint32_t fan) {
     left_ = points;
     fan_ = fan;
+    much_ = std::max(1U << 15, points / 8);
     exterior_ = points;
     facets_ = 0;
     replaced_ = 0;
@@ -36,12 +37,13 @@ class GrowthRounds {
   /// Records a finished round: points culled, facets and points left.
   void add(std::uint32_t round, const Count& culled, const Count& facets, const Count& exterior) {
     unread_.push_back({round, facets_, exterior_, culled, exterior});
-    facets_ = facets;
+    facets_ = Executor::at_most(facets, Executor::most(exterior));  // each has a point outside
     exterior_ = exterior;
   }
   /// Reads the numbers of all rounds but the last `ahead`, 0 or 1, and adds those of each to its
-  /// report.
+  /// report; of all rounds where room would be made for many facets that may not come.
   void read(std::vector<PseudoHullRound>& reports, std::size_t ahead) {
+    if (Executor::most(facets_) > much_) ahead = 0;
     if (unread_.size() <= ahead) return;
     std::uint32_t after = 0;
     for (; unread_.size() > ahead; unread_.pop_front()) {
@@ -61,7 +63,6 @@ class GrowthRounds {
       left_ -= culled;
     }
     exterior_ = Executor::at_most(exterior_, after);
-    // Each facet has a point outside of it.
     facets_ = Executor::at_most(facets_, after);
     if (after == 0) return;
     if (unread_.empty())
@@ -75,7 +76,7 @@ class GrowthRounds {
     std::uint32_t number;
     Count facets, before, culled, after;
   };
-  std::uint32_t left_ = 0, fan_ = 1, replaced_ = 0;
+  std::uint32_t left_ = 0, fan_ = 1, much_ = 0, replaced_ = 0;
   Count exterior_ = 0, facets_ = 0;
   std::deque<Round> unread_;
 };
