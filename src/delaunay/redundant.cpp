@@ -1,10 +1,9 @@
 // Redundant vertices of a regular triangulation.
-#include <gmpxx.h>
-
 #include <algorithm>
 
 #include "delaunay/triangulate.hpp"
 #include "delaunay/write_triangulation.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/index.hpp"

@@ -154,7 +154,7 @@ struct HullStream::Impl {
       if (next != nullptr) next->thin(all, run);
       const auto most_left = [&] { return all.size() >= seen_now / 2; };
       // In the plane the hull takes no longer than the map of so few points.
-      const std::size_t few = all.dimension == 2 ? 0 : worth;
+      const std::uint64_t few = all.dimension == 2 ? 0 : worth;
       exactly =
           !reduced_already && (block == nullptr || most_left() ||
                                all.size() > (next == nullptr ? few : std::max(few, count / 2)));

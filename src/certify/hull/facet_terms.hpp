@@ -2,14 +2,13 @@
 // which certify() compares planes and measures. docs/exactness.md, "Numbers".
 #pragma once
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "certify/certificate.hpp"
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal::certify {
 

@@ -1,6 +1,4 @@
 // Checks of shape, flat, ridges and covering number: does the surface bound a convex polytope?
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/hull/cones.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"

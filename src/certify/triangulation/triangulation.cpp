@@ -2,8 +2,6 @@
 // docs/exactness.md, "Certificate of a triangulation".
 #include "cullhull/triangulation.hpp"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +9,7 @@
 #include "certify/certificate.hpp"
 #include "certify/triangulation/side_filter.hpp"
 #include "exact/insphere/lifted_rows.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/exact_plane.hpp"

@@ -1,13 +1,12 @@
 #include "diagrams/voronoi/cell_chain.hpp"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <map>
 #include <numeric>
 #include <utility>
 
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"

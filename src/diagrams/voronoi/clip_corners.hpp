@@ -2,8 +2,6 @@
 // exact. docs/exactness.md, "Clipped cells".
 #pragma once
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -14,6 +12,7 @@
 
 #include "diagrams/voronoi/clip_region.hpp"
 #include "exact/numbers/bounded.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/halfspace.hpp"

@@ -1,8 +1,6 @@
 // Regions to which diagrams are clipped, as convex pieces that do not overlap.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/voronoi.hpp"
 #include "exact/numbers/bounded.hpp"
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal {
 

@@ -1,13 +1,14 @@
 #include "exact/determinants/modular.hpp"
 
 #include <gmp.h>
-#include <gmpxx.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
 #include <vector>
+
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal {
 namespace {

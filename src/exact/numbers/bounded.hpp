@@ -1,12 +1,11 @@
 // Numbers that carry an error bound: double-doubles and doubles.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <cmath>
 
 #include "cullhull/error.hpp"
 #include "exact/numbers/double_double.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal {

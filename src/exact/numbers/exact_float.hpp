@@ -2,11 +2,11 @@
 // doubles and any product of two such differences is exact.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal {
 

@@ -2,14 +2,13 @@
 // common divisors would take most of the time.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "exact/numbers/bounded.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "exact/numbers/rationals.hpp"
 
 namespace cullhull::internal {

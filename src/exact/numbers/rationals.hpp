@@ -1,12 +1,12 @@
 // Rational numbers that are rounded to doubles once, at the end.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal {
 

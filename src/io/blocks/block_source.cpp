@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "io/blocks/byte_stream.hpp"
@@ -358,9 +359,9 @@ class TextBlocks : public BlockSource {
         rest_.clear();
         return size;
       }
-      const void* newline = ::memrchr(out + had, '\n', got);
-      if (newline != nullptr) {
-        const char* const end = static_cast<const char*>(newline) + 1;
+      const std::size_t newline = std::string_view(out + had, got).rfind('\n');
+      if (newline != std::string_view::npos) {
+        const char* const end = out + had + newline + 1;
         rest_.assign(end, static_cast<const char*>(out + size));
         return static_cast<std::size_t>(end - out);
       }

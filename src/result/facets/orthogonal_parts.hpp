@@ -2,11 +2,10 @@
 // their edges.
 #pragma once
 
-#include <gmpxx.h>
-
 #include <vector>
 
 #include "exact/numbers/exact_float.hpp"
+#include "exact/numbers/gmpxx.hpp"
 
 namespace cullhull::internal {
 

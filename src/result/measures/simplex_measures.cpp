@@ -1,7 +1,5 @@
 #include "result/measures/simplex_measures.hpp"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -10,6 +8,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/numbers/exact_float.hpp"
+#include "exact/numbers/gmpxx.hpp"
 #include "parallel/threads/run.hpp"
 #include "result/measures/totals.hpp"
 
