@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|wheel|wheels|wheel-cuda|sdist|deb|sbom|sums ...
+#   scripts/artifacts.sh static|wheel|wheels|wheel-cuda|sdist|deb|sbom|sums|sizes ...
 #   static  the program as one file, for any Linux of the last years on this processor
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
@@ -12,6 +12,7 @@
 #   deb     Debian packages: program, shared library, development files
 #   sbom    what the artifacts contain of others, as CycloneDX (scripts/sbom.py)
 #   sums    SHA256SUMS of all that lies there
+#   sizes   the table of all that lies there in docs/install.md
 # All but the sources are built against build/sysroot (scripts/portable-sysroot.sh); the packages'
 # library uses the C++ library of Debian 12. SOURCE_DATE_EPOCH (the time of the last commit if not
 # set) is the time of every file in them: the same commit gives the same bytes.
@@ -144,12 +145,31 @@ make_sums() {
   echo "written: $dist/SHA256SUMS"
 }
 
+make_sizes() {
+  python3 - "$dist" "$version" docs/install.md <<'PY'
+import re, sys
+from pathlib import Path
+
+dist, version, page = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+rows = [f"| file of {version} | MB |", "|---|---:|"]
+for file in sorted(dist.glob(f"*{version}*")):
+    if not file.name.startswith("notes-"):
+        rows.append(f"| `{file.name}` | {file.stat().st_size / 1e6:.2f} |")
+text = page.read_text(encoding="utf-8")
+mark = "<!-- sizes: scripts/artifacts.sh sizes -->\n"
+before, _, after = text.partition(mark)
+after = re.sub(r"\A(\|.*\n)*", "", after)
+page.write_text(before + mark + "\n".join(rows) + "\n" + after, encoding="utf-8")
+PY
+  echo "written: docs/install.md"
+}
+
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | wheel | wheels | wheel-cuda | sdist | deb | sbom | sums) "make_$artifact" ;;
+    static | wheel | wheels | wheel-cuda | sdist | deb | sbom | sums | sizes) "make_$artifact" ;;
     *)
-      sed -n '2,19s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,20s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

@@ -2,13 +2,14 @@
 # Installs what scripts/artifacts.sh has put into build/dist into empty systems and runs it there:
 #   scripts/check-artifacts.sh         in Debian 11, 12, 13 and testing without a compiler, which
 #                                      debootstrap makes in build/roots (as root, with a mirror);
-#                                      ROOTS="bookworm bullseye" names others
+#                                      ROOTS="bookworm bullseye" names others. The static program also
+#                                      in a folder with nothing else
 #   scripts/check-artifacts.sh --here  without root and network: what can be run on this machine
 #   scripts/check-artifacts.sh --rebuild  builds the commit again, in another folder and without
 #                                      ccache, and compares every artifact of it byte by byte
 # Every artifact must give the hull of data/autzen-150k.ply, as JSON, bit for bit alike, also of the
-# same points as .gz, .zst and .npz; PROGRAM names the built program that says how it is. Exit
-# status 77: nothing to check, or not here.
+# same points as .gz, .zst and .npz, certify it, and give their triangulation; PROGRAM names the built
+# program that says how they are. Exit status 77: nothing to check, or not here.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -25,10 +26,10 @@ give_up() {
   echo "check-artifacts: $*" >&2
   exit 77
 }
-# same NAME FILE: FILE is the hull that the built program found.
+# same NAME FILE [EXPECTED]: FILE is the hull, or what else the built program found.
 same() {
   checks=$((checks + 1))
-  if cmp -s "$2" "$scratch/expected.json"; then
+  if cmp -s "$2" "${3:-$scratch/expected.json}"; then
     echo "ok    $1"
   else
     echo "WRONG $1"
@@ -49,6 +50,7 @@ debs=("$dist"/*cullhull*_"$version"_*.deb)
 [[ -x $program ]] || program=$static
 [[ -x $program ]] || give_up "no built program to compare with (make build)"
 "$program" hull "$points" -q -o "$scratch/expected.json"
+"$program" delaunay "$points" -q -o "$scratch/cells.json"
 
 # The same points in every way that a library of its own reads.
 inputs=$scratch/inputs
@@ -68,6 +70,11 @@ hulls() {
     "$@" hull "$inputs/$input" -q -o "$scratch/hull.json" || true
     same "$name, $input" "$scratch/hull.json"
   done
+  "$@" certify "$points" "$scratch/expected.json" >/dev/null || broken "$name: certify"
+  "$@" info "$points" >/dev/null || broken "$name: info"
+  rm -f "$scratch/found.json"
+  "$@" delaunay "$points" -q -o "$scratch/found.json" || true
+  same "$name, delaunay" "$scratch/found.json" "$scratch/cells.json"
 }
 
 # Builds all that build/dist holds a second time: the same commit, another folder.
@@ -180,6 +187,24 @@ within() {
   fi
 }
 
+# The static program in a root that has nothing else.
+try_alone() {
+  local folder=$scratch/alone input
+  mkdir -p "$folder/tmp"
+  cp "$inputs"/* "$scratch/expected.json" "$folder"
+  cp "$static" "$folder/cullhull"
+  alone() { chroot "$folder" /cullhull "$@" >"$scratch/log" 2>&1; }
+  for input in "${names[@]}"; do
+    rm -f "$folder/hull.json"
+    alone hull "/$input" -q -o /hull.json || true
+    same "static program alone: hull of $input" "$folder/hull.json"
+  done
+  alone certify /points.ply /expected.json || broken "static program alone: certify"
+  alone info /points.ply || broken "static program alone: info"
+  alone delaunay /points.ply -q -o /cells.json || true
+  same "static program alone: delaunay" "$folder/cells.json" "$scratch/cells.json"
+}
+
 # inside_hulls NAME ROOT COMMAND...: of every input, in the root.
 inside_hulls() {
   local input name=$1 folder=$2
@@ -189,6 +214,10 @@ inside_hulls() {
     within "$name" "$folder" "$* hull /check/$input -q -o /check/hull.json"
     same "$name: hull of $input" "$folder/check/hull.json"
   done
+  within "$name: certify, info" "$folder" "$* certify /check/points.ply /check/hull.json &&
+    $* info /check/points.ply"
+  within "$name: delaunay" "$folder" "$* delaunay /check/points.ply -q -o /check/cells.json"
+  same "$name: its cells" "$folder/check/cells.json" "$scratch/cells.json"
 }
 
 # What debootstrap makes a release with; those it does not know yet are made as unstable is.
@@ -277,12 +306,13 @@ case "${1:-}" in
     [[ $(id -u) -eq 0 ]] || give_up "a root is made as root (--here needs none)"
     command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh roots)"
     here
+    if [[ -e $static ]]; then try_alone; fi
     for codename in ${ROOTS:-bookworm bullseye trixie testing}; do
       try_root "$codename"
     done
     ;;
   *)
-    sed -n '2,14s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Makes a release of what is checked out:
 #   scripts/release.sh VERSION            commit, tag, artifacts and notes
-#   scripts/release.sh VERSION --dry-run  the commit, the tag and the notes in a clone that is thrown
-#                                         away; shows them and changes nothing here
+#   scripts/release.sh VERSION --dry-run  the same in a clone that is thrown away; shows commit, tag and
+#                                         notes, installs and runs each artifact in empty roots, and
+#                                         leaves here the artifacts, in build/release-VERSION, and
+#                                         their sizes, in docs/install.md
 # 1. Checks: nothing uncommitted, a version above all tags, a changelog with something unreleased.
 # 2. Writes the version into every place (scripts/stamp.py), its section into CHANGELOG.md and the
 #    date into CITATION.cff, commits that and tags it vVERSION.
@@ -18,15 +20,15 @@ fail() {
   exit 1
 }
 usage() {
-  sed -n '2,13s/^# \{0,1\}//p' "$0" >&2
+  sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
   exit 2
 }
 
-version=${1:-} dry=false
+version=${1:-} dry=false check=(--here)
 [[ $version =~ ^[0-9]+\.[0-9]+\.[0-9]+$ ]] || usage
 case "${2:-}" in
   "") ;;
-  --dry-run) dry=true ;;
+  --dry-run) dry=true check=() ;;
   *) usage ;;
 esac
 [[ $# -le 2 ]] || usage
@@ -45,10 +47,15 @@ grep -qx '## \[Unreleased\]' CHANGELOG.md || fail "CHANGELOG.md has no section [
 grep -q "^## \[$version\]" CHANGELOG.md && fail "CHANGELOG.md has a section $version"
 
 if $dry; then
-  scratch=$(mktemp -d)
+  scratch=$(mktemp -d) here=$PWD
   trap 'rm -rf "$scratch"' EXIT
   git clone --quiet --no-hardlinks . "$scratch/clone"
   cd "$scratch/clone"
+  # What was fetched or is of others, not of the tree; and what ccache has compiled here.
+  mkdir -p build
+  [[ ! -e $here/build/sysroot/complete ]] || cp -r "$here/build/sysroot" build/
+  [[ -z $artifacts ]] || { mkdir -p "$here/build/roots" && ln -s "$here/build/roots" build/; }
+  export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 fi
 
 # The commit.
@@ -81,8 +88,6 @@ if $dry; then
   echo "tag: $(git describe --exact-match)"
   echo "notes:"
   cat "build/dist/notes-$version.md"
-  echo "release: a dry run; nothing was changed. Artifacts would be: ${artifacts:-none}"
-  exit 0
 fi
 
 if [[ -n $artifacts ]]; then
@@ -90,7 +95,15 @@ if [[ -n $artifacts ]]; then
   export SOURCE_DATE_EPOCH
   # shellcheck disable=SC2086
   scripts/artifacts.sh $artifacts
-  PROGRAM=build/portable/bin/cullhull scripts/check-artifacts.sh --here
+  PROGRAM=build/portable/bin/cullhull scripts/check-artifacts.sh "${check[@]}"
+fi
+if $dry; then
+  if [[ -n $artifacts ]]; then
+    mkdir -p "$here/build/release-$version" && cp build/dist/* "$here/build/release-$version/"
+    scripts/artifacts.sh sizes && cp docs/install.md "$here/docs/install.md"
+  fi
+  echo "release: a dry run; nothing else was changed here. Artifacts: ${artifacts:-none}"
+  exit 0
 fi
 echo "release: committed and tagged v$version; to publish it:"
 echo "  git push origin HEAD v$version"

@@ -116,10 +116,28 @@ class Release(unittest.TestCase):
             tags = subprocess.run([*git, "tag"], capture_output=True, text=True)
             self.assertEqual(tags.stdout, "")
 
-            ran = subprocess.run(
-                ["bash", folder / "scripts/release.sh", "99.1.0"],
-                capture_output=True, text=True, env={**identity(), "ARTIFACTS": ""},
+            # What is built and passes its checks is left here with its size, and nothing else.
+            (folder / "scripts/artifacts.sh").rename(folder / "scripts/real.sh")
+            (folder / "scripts/artifacts.sh").write_text(
+                '[[ $1 != sizes ]] || exec bash scripts/real.sh sizes\n'
+                "printf '%1234567s' >build/dist/cullhull-99.1.0-$1\n"
             )
+            checks = folder / "scripts/check-artifacts.sh"
+            for code, left in ((1, False), (0, True)):
+                checks.write_text(f"exit {code}\n")
+                for script in ("artifacts.sh", "check-artifacts.sh", "real.sh"):
+                    (folder / "scripts" / script).chmod(0o755)
+                subprocess.run([*git, "add", "--all"], check=True)
+                subprocess.run([*git, "commit", "--quiet", "-m", "Stand-ins"], check=True)
+                ran = release(folder, "99.1.0", "--dry-run", artifacts="made")
+                self.assertEqual(ran.returncode, code, ran.stderr)
+                self.assertEqual((folder / "build/release-99.1.0/cullhull-99.1.0-made").exists(), left)
+                row = "| `cullhull-99.1.0-made` | 1.23 |\n"
+                self.assertEqual(row in (folder / "docs/install.md").read_text(), left)
+            subprocess.run([*git, "checkout", "--quiet", "HEAD^^", "."], check=True)
+            subprocess.run([*git, "commit", "--quiet", "-m", "Back"], check=True)
+
+            ran = release(folder, "99.1.0")
             self.assertEqual(ran.returncode, 0, ran.stderr)
             log = (folder / "CHANGELOG.md").read_text()
             self.assertRegex(log, r"## \[Unreleased\]\n\n## \[99\.1\.0\] - \d{4}-\d\d-\d\d\n\n### Added")
@@ -144,10 +162,10 @@ def identity() -> "dict[str, str]":
     return {**os.environ, **who}
 
 
-def release(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+def release(folder: Path, *words: str, artifacts: str = "") -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
         ["bash", folder / "scripts/release.sh", *words],
-        capture_output=True, text=True, env=identity(),
+        capture_output=True, text=True, env={**identity(), "ARTIFACTS": artifacts},
     )
 
 
@@ -159,7 +177,7 @@ class copy_of_tree:
         for name in ("packaging", "scripts"):
             shutil.copytree(root / name, self.folder / name, ignore=shutil.ignore_patterns("__pycache__"))
         for name in ("CITATION.cff", "LICENSE", "README.md", "CHANGELOG.md", ".gitignore",
-                     "include/cullhull/version.hpp"):
+                     "docs/install.md", "include/cullhull/version.hpp"):
             (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(root / name, self.folder / name)
         return self.folder
