@@ -540,7 +540,7 @@ class FewSimplexWriter : SimplexLists<K> {
     FacetBlock<K> block = this->empty_block();
     for (std::size_t i = 0; i < m_.runs.size(); ++i)
       m_.runs[i] = this->put_planes(
-          i * measure_run, std::min(count, (i + 1) * measure_run), block,
+          i * measure_run, std::min<std::uint64_t>(count, (i + 1) * measure_run), block,
           [this](std::uint64_t f) { return m_.stored[m_.order[f]].corner; },
           [](std::uint64_t, std::uint64_t) {});
     this->keep_lists(hull);
