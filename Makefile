@@ -6,7 +6,7 @@ FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
 SUITES :=
 
-.PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts
+.PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts macos
 .NOTPARALLEL:
 
 help:
@@ -22,6 +22,7 @@ help:
 	@echo "make deb      Debian packages of program, shared library and headers, in build/dist/"
 	@echo "make static   the program as one file for any Linux, in build/dist/"
 	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
+	@echo "make macos    library and program linked for macOS, in build/macos/ (not run)"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -74,6 +75,10 @@ artifacts:
 	@scripts/install-deps.sh build python package roots
 	scripts/artifacts.sh static wheels sdist deb sbom sums
 	scripts/check-artifacts.sh
+
+macos:
+	@scripts/install-deps.sh build zig
+	@JOBS=$(JOBS) scripts/cross-check.sh macos
 
 fuzz:
 	@scripts/install-deps.sh build fuzz

@@ -3,11 +3,13 @@
 # holds the hash of every hull that a test computes against this machine's:
 #   scripts/cross-check.sh aarch64|s390x [SUITE ...]
 #   scripts/cross-check.sh libcxx [SUITE ...]    here, with clang and libc++ (CXX, CXXFLAGS)
+#   scripts/cross-check.sh macos [PROCESSOR ...] links library and program for macOS on aarch64 and
+#                                                x86_64 by zig, in build/macos. Nothing is run
 # SUITE: names of test suites; if none, all of tests/reference, tests/exactness and tests/agreement
 # but those of the program (Cli*, which are named where they are wanted) and the longest. Needs a
 # Debian with its mirror, g++-PROCESSOR-linux-gnu and qemu-user-static (scripts/install-deps.sh
-# cross); no root. Everything lies in build/cross. Exit status 77: not possible here. JOBS: how many
-# are compiled and run at once.
+# cross; zig); no root. Everything lies in build/cross. Exit status 77: not possible here, or with
+# CULLHULL_NO_FETCH not without the network. JOBS: how many are compiled and run at once.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cross=$PWD/build/cross
@@ -19,13 +21,49 @@ give_up() {
   exit 77
 }
 
+oldest_macos=13.0
+# is WHAT COMMAND...: says WHAT where the command fails.
+is() { "${@:2}" >/dev/null || { echo "WRONG $1" && good=false; }; }
+# mach_o FILE PROCESSOR: of that processor and system, with no library but the system's own and GMP in
+# it; and each symbol it lacks is one of that library.
+mach_o() {
+  local headers
+  headers=$(llvm-objdump --macho --private-headers "$1")
+  is "$1: processor" grep -qE "^MH_MAGIC_64 +${2/#aarch64/ARM64} " <<<"${headers^^}"
+  is "$1: oldest system" grep -qx " *minos $oldest_macos" <<<"$headers"
+  is "$1: libraries" test "$(llvm-objdump --macho --dylibs-used "$1" | grep -v ':$\|/libcullhull\.' |
+    sed 's/ (.*//; s/^\s*//')" = /usr/lib/libSystem.B.dylib
+  is "$1: symbols that are missing" test -z "$(llvm-nm -m -u "$1" | grep -v '(from libSystem)$')"
+  is "$1: GMP" grep -q ' T ___gmpz_init$' <<<"$(llvm-nm --defined-only "$1")"
+  echo "$1: $(stat -c %s "$1") bytes, for macOS $oldest_macos and later"
+}
+macos() {
+  local processor folder tree file good=true
+  [[ $# -gt 0 ]] || set -- aarch64 x86_64
+  command -v llvm-objdump >/dev/null || give_up "no llvm-objdump (scripts/install-deps.sh zig)"
+  for processor in "$@"; do
+    folder=build/zig/$processor-macos.$oldest_macos tree=build/macos/$processor
+    [[ -z ${CULLHULL_NO_FETCH:-} || -e $folder/deps/complete ]] || give_up "no $folder/deps (make macos)"
+    scripts/zig.sh "$processor-macos.$oldest_macos" "$tree" "cullhull_app cullhull_shared" \
+      -DCULLHULL_SHARED=ON -DCMAKE_CXX_FLAGS_RELEASE=-O0
+    for file in "$tree"/bin/cullhull "$tree"/src/shared/libcullhull.*.*.*.dylib; do
+      mach_o "$file" "$processor"
+    done
+  done
+  $good
+}
+
 processor=${1:-}
 case "$processor" in
   aarch64) debian=arm64 ;;
   s390x) debian=s390x ;;
   libcxx) debian= ;;
+  macos)
+    macos "${@:2}"
+    exit
+    ;;
   *)
-    sed -n '2,12s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,14s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

@@ -2,8 +2,9 @@
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
 # Parts: build (always included), mpi, test (for make test), test-all, bench, docs, fuzz, format,
-# python, package (to build artifacts), roots (to check them), cross, interface. Does nothing where nothing is
-# missing; else it says how much it will fetch, and calls apt-get as root, or through sudo.
+# python, package (to build artifacts), roots (to check them), cross, zig (what scripts/zig.sh builds
+# libraries with), interface. Does nothing where nothing is missing; else it says how much it will
+# fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev
@@ -25,6 +26,7 @@ python=(python3 python3-dev python3-venv python3-pip)
 package=(python3 dpkg-dev file debian-archive-keyring)
 roots=(lintian zstd debootstrap debian-archive-keyring)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
+zig=(llvm m4 make curl bzip2 xz-utils python3 python3-venv)
 # The public headers for WebAssembly.
 interface=(emscripten python3)
 
@@ -43,9 +45,10 @@ for part in "$@"; do
     package) wanted+=("${package[@]}") ;;
     roots) wanted+=("${roots[@]}") ;;
     cross) wanted+=("${cross[@]}") ;;
+    zig) wanted+=("${zig[@]}") ;;
     interface) wanted+=("${interface[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross interface" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross zig interface" >&2
       exit 2
       ;;
   esac

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Builds the libraries that a wheel is made with, where no Debian is to take them from (the manylinux
 # images, macOS), for .github/workflows/wheels.yml:
-#   scripts/wheel-deps.sh PREFIX
-# Sources, and three.js, come from Debian's archive (CULLHULL_MIRROR names another), each held
-# against its SHA-256. GMP becomes a shared library, as the wheel ships it as a file that can be
-# replaced; all others are static. Needs a C++ compiler, make, CMake, curl, tar and m4; does nothing
-# where PREFIX is complete.
+#   scripts/wheel-deps.sh PREFIX [TOOLS HOST CMAKE-OPTION ...]
+# and for another system (scripts/zig.sh), HOST as configure scripts name it, by clang, clang++, ar
+# and ranlib of the folder TOOLS and llvm-nm. Sources, and three.js, come from Debian's archive
+# (CULLHULL_MIRROR names another), each held against its SHA-256. GMP becomes a shared library, as the
+# wheel ships it as a file that can be replaced, or with TOOLS a static one; all others are static.
+# Needs a C++ compiler, make, CMake, curl, tar and m4; does nothing where PREFIX is complete.
 set -euo pipefail
 prefix=${1:?usage: scripts/wheel-deps.sh PREFIX}
 mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
@@ -13,6 +14,11 @@ jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
 [[ -e $prefix/complete ]] && exit 0
 mkdir -p "$prefix"
 prefix=$(cd "$prefix" && pwd)
+tools=${2:-} host=${3:-$(uname -m)}
+cmake=("${@:4}")
+if [[ -n $tools ]]; then
+  export NM=llvm-nm CC=$tools/clang CXX=$tools/clang++ AR=$tools/ar RANLIB=$tools/ranlib
+fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -36,7 +42,7 @@ with_cmake() { # with_cmake NAME OPTIONS...
   shift
   cmake -S "$name" -B "$name/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
     -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_SHARED_LIBS=OFF \
-    -DCMAKE_POLICY_VERSION_MINIMUM=3.5 "$@"
+    -DCMAKE_POLICY_VERSION_MINIMUM=3.5 ${cmake[@]+"${cmake[@]}"} "$@"
   cmake --build "$name/build" -j "$jobs"
   cmake --install "$name/build"
 }
@@ -65,15 +71,19 @@ with_cmake cli11 -DCLI11_BUILD_TESTS=OFF -DCLI11_BUILD_EXAMPLES=OFF -DCLI11_BUIL
 source_of libz/libzstd/libzstd_1.5.4+dfsg2.orig.tar.xz 8cf4bbb65e77ec348d052c8d6230eba66d435bddf64c8b5be2fcb16880c19953 zstd
 make -C zstd/lib -j "$jobs" PREFIX="$prefix" CFLAGS="-O2 -fPIC" install-static install-includes
 source_of z/zlib/zlib_1.2.13.dfsg.orig.tar.bz2 71feb7947e3c00ef125f83b79a4e529bde31171e5babe48b391f06758d1ab0a1 zlib
-(cd zlib && CFLAGS="-O2 -fPIC" ./configure --static --prefix="$prefix" >/dev/null &&
+# fdopen: zlib takes every Apple for one without it.
+(cd zlib && CFLAGS="-O2 -fPIC -w -Dfdopen=fdopen" ./configure --static --prefix="$prefix" >/dev/null &&
   make -j "$jobs" libz.a >/dev/null && cp libz.a "$prefix/lib/" && cp zlib.h zconf.h "$prefix/include/")
 source_of g/gmp/gmp_6.2.1+dfsg1.orig.tar.xz 471b9e463e04362a0124f215afc5f0a4b99caedeeb62634c61bbc12988efa64c gmp
 mkdir -p gmp/doc # Debian leaves the manual out
 printf 'all install install-am install-data install-exec check clean:\n' >gmp/doc/Makefile.in
-fat=""
-case "$(uname -m)" in x86_64) fat=--enable-fat ;; esac
-(cd gmp && ./configure --prefix="$prefix" --libdir="$prefix/lib" --enable-shared --disable-static \
-  $fat >/dev/null && make -j "$jobs" >/dev/null && make install >/dev/null)
+options=(--enable-shared --disable-static)
+[[ -z $tools ]] ||
+  options=(--disable-shared --with-pic "--host=$host" CFLAGS="-O2 -w" CC_FOR_BUILD=cc)
+case $host in x86_64*) options+=(--enable-fat) ;; esac
+(cd gmp && ./configure --prefix="$prefix" --libdir="$prefix/lib" "${options[@]}" >/dev/null &&
+  make -j "$jobs" >/dev/null && make install >/dev/null)
+cp gmp/gmpxx.h "$prefix/include/" # what is not inline in it, input and output, we do not use
 fetch t/three.js/libjs-three_111+dfsg1-2_all.deb a3824c69224dfe676fa151d2a0ff961b33ea9c80397519a91c0941c1686bba51
 mkdir three && (cd three && ar x ../libjs-three_*.deb && tar xf data.tar.*)
 mkdir -p "$prefix/share/javascript/three"
