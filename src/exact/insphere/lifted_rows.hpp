@@ -93,9 +93,7 @@ class LiftedRows {
     return v.mantissa == 0 ? 0 : v.mantissa * (std::int64_t{1} << (v.exponent - unit));
   }
   void big_at(unsigned i, unsigned j, int unit, mpz_ptr out) const {
-    const DoubleParts& v = part(i, j);
-    mpz_set_si(out, v.mantissa);
-    if (v.mantissa != 0) mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(v.exponent - unit));
+    set_in_units(out, part(i, j), unit);
   }
   void big_difference(unsigned i, unsigned j, int unit, mpz_ptr out, mpz_ptr scratch) const {
     big_at(i + 1, j, unit, out);

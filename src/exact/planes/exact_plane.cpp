@@ -114,12 +114,9 @@ ExactPlane::ScaledInteger ExactPlane::determinant(const double* x) {
     if (x[j] == p_[0][j] || mpz_sgn(normal_[j]) == 0) continue;
     const DoubleParts a = double_parts(x[j]), b = double_parts(p_[0][j]);
     const int e = unit(a, b);
-    mpz_set_si(y, b.mantissa);
-    if (b.mantissa != 0) mpz_mul_2exp(y, y, static_cast<mp_bitcnt_t>(b.exponent - e));
+    set_in_units(y, b, e);
     Big first;
-    mpz_set_si(first.value, a.mantissa);
-    if (a.mantissa != 0)
-      mpz_mul_2exp(first.value, first.value, static_cast<mp_bitcnt_t>(a.exponent - e));
+    set_in_units(first.value, a, e);
     mpz_sub(y, first.value, y);
     mpz_mul_2exp(y, y, static_cast<mp_bitcnt_t>(static_cast<long>(e) - exponent_[j] - lowest));
     mpz_addmul(sum, y, normal_[j]);

@@ -15,6 +15,16 @@ namespace cullhull::internal {
 
 inline int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
 
+/// Sets out to v / 2^unit, an integer. Requires v = 0 or unit <= v.exponent. GMP takes integers as
+/// `long`, which holds no mantissa of 53 bits on Windows; a double holds each.
+inline void set_in_units(mpz_ptr out, const DoubleParts& v, long unit) {
+  if constexpr (sizeof(long) == sizeof v.mantissa)
+    mpz_set_si(out, static_cast<long>(v.mantissa));
+  else
+    mpz_set_d(out, static_cast<double>(v.mantissa));
+  if (v.mantissa != 0) mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(v.exponent - unit));
+}
+
 /// An mpz_t that is freed by its destructor.
 struct Big {
   Big() { mpz_init(value); }
@@ -71,10 +81,7 @@ class IntegerPoints {
     return s.mantissa == 0 ? 0 : s.mantissa * (std::int64_t{1} << (s.exponent - exponent_[j]));
   }
   void big(unsigned i, unsigned j, mpz_ptr out) const {
-    const DoubleParts& s = scaled_[std::size_t{i} * d_ + j];
-    mpz_set_si(out, s.mantissa);
-    if (s.mantissa != 0)
-      mpz_mul_2exp(out, out, static_cast<mp_bitcnt_t>(s.exponent - exponent_[j]));
+    set_in_units(out, scaled_[std::size_t{i} * d_ + j], exponent_[j]);
   }
 
  private:

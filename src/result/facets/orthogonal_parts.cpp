@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "cullhull/error.hpp"
-#include "exact/numbers/double_parts.hpp"
+#include "exact/points/integer_points.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -28,10 +28,8 @@ class Unit {
 
 /// v as an integer multiple of 2^unit.
 mpz_class in_units(double v, long unit) {
-  const DoubleParts parts = double_parts(v);
-  if (parts.mantissa == 0) return 0;
-  mpz_class r(static_cast<long>(parts.mantissa));
-  mpz_mul_2exp(r.get_mpz_t(), r.get_mpz_t(), static_cast<mp_bitcnt_t>(parts.exponent - unit));
+  mpz_class r;
+  set_in_units(r.get_mpz_t(), double_parts(v), unit);
   return r;
 }
 

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "cullhull/hull.hpp"
-#include "exact/numbers/double_parts.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "exact/numbers/gmpxx.hpp"
+#include "exact/points/integer_points.hpp"
 #include "parallel/threads/run.hpp"
 #include "result/measures/totals.hpp"
 
@@ -75,10 +75,9 @@ class SimplexGradients {
       }
     unit_ = unit;
     const auto whole = [&](double x) -> Integer {
-      const DoubleParts parts = double_parts(x);
-      return parts.mantissa == 0
-                 ? Integer(0)
-                 : shifted(Integer(static_cast<long>(parts.mantissa)), parts.exponent - unit_);
+      Integer r;
+      set_in_units(r.get_mpz_t(), double_parts(x), unit_);
+      return r;
     };
     edges_.resize(std::size_t{k_} * d_);
     gram_.resize(std::size_t{k_} * k_);
