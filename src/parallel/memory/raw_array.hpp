@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -53,26 +52,19 @@ class RawArray {
   }
 
   void release() {
-    drop(data_, bytes_);
+    free_block(data_, bytes_);
     data_ = nullptr;
     bytes_ = 0;
   }
 
  private:
-  static constexpr std::size_t page = 4096;
+  static constexpr std::size_t page = kept_block;  // each capacity is a block that is reused
 
   void* move_to(std::size_t bytes) {
-    void* p = bytes >= kept_block ? allocate_block(bytes) : std::aligned_alloc(64, bytes);
-    if (p == nullptr) throw std::bad_alloc();
+    void* p = allocate_block(bytes);
     if (data_ != nullptr) std::memcpy(p, static_cast<const void*>(data_), bytes_);
-    drop(data_, bytes_);
+    free_block(data_, bytes_);
     return p;
-  }
-  static void drop(T* data, std::size_t bytes) {
-    if (bytes >= kept_block)
-      free_block(data, bytes);
-    else
-      std::free(data);
   }
 
   T* data_ = nullptr;
