@@ -165,7 +165,7 @@ TEST(Json, HostileFilesAreRefused) {
             "F: simplex_neighbours: item 0 is 12, but must be below 12");
   EXPECT_EQ(changed("simplex_facets", {0}, 6),
             "F: simplex_facets: item 0 is 6, but must be below 6");
-  EXPECT_EQ(changed("facet_neighbours", {0, 0}, 4294967296UL),
+  EXPECT_EQ(changed("facet_neighbours", {0, 0}, std::uint64_t{1} << 32),
             "F: facet_neighbours: 4294967296 is not an index");
   EXPECT_EQ(changed("simplices", {4}, {1, 2}), "F: simplices: entry 4 needs 3 items");
   EXPECT_EQ(changed("facet_planes", {4}, {1, 2, 3}), "F: facet_planes: entry 4 needs 4 items");

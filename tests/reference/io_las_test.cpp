@@ -232,7 +232,7 @@ TEST(IoLas, HeadersThatLie) {
   expect_error({.promised = 4}, "4 points of 23 bytes need more than the 69 bytes");
   expect_error({.minor = 4, .promised = ~std::uint64_t{0} / 23}, "need more than");
   const std::string whole = Las().bytes();
-  for (const std::size_t size : {4UL, 100UL, 226UL, 250UL, whole.size() - 1})
+  for (const std::size_t size : std::vector<std::size_t>{4, 100, 226, 250, whole.size() - 1})
     EXPECT_NE(said(folder, whole.substr(0, size)), "") << size;
 }
 

@@ -70,8 +70,9 @@ TEST(Npy, WideIntegersOnlyWhereExact) {
   EXPECT_TRUE(has(refusal(bad, "npy"), "index (1, 0)"));
   const std::string top = npy(head, bytes_of(big, INT64_MAX, big, big));
   EXPECT_TRUE(has(refusal(top, "npy"), "index (0, 1)"));
+  using U = std::uint64_t;
   const std::string columns = npy("{'descr':'<u8','fortran_order':True,'shape':(3,2)}",
-                                  bytes_of(1UL, 2UL, 3UL, 4UL, UINT64_MAX, 5UL));
+                                  bytes_of(U{1}, U{2}, U{3}, U{4}, UINT64_MAX, U{5}));
   EXPECT_TRUE(has(refusal(columns, "npy"), "index (1, 1)"));
   const std::string swapped = npy("{'descr':'>u8','fortran_order':False,'shape':(1,)}",
                                   bytes_of_big_endian(std::uint64_t{77}));
