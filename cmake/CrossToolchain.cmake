@@ -1,15 +1,29 @@
-# Builds for another processor with Debian's cross compilers, against the folder of libraries that
-# scripts/cross-check.sh makes, and runs what is built under qemu:
-#   -DCULLHULL_CROSS=aarch64|s390x -DCULLHULL_CROSS_ROOT=FOLDER
-set(CMAKE_SYSTEM_NAME Linux)
-set(CMAKE_SYSTEM_PROCESSOR "${CULLHULL_CROSS}")
+# Builds for another processor or for Windows with Debian's cross compilers, against the folder of
+# libraries that scripts/cross-check.sh or scripts/windows.sh makes, and runs what is built under
+# qemu or wine:
+#   -DCULLHULL_CROSS=aarch64|s390x|windows -DCULLHULL_CROSS_ROOT=FOLDER
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_CROSS CULLHULL_CROSS_ROOT)
-set(_triplet "${CULLHULL_CROSS}-linux-gnu")
-set(CMAKE_C_COMPILER "${_triplet}-gcc")
-set(CMAKE_CXX_COMPILER "${_triplet}-g++")
+if(CULLHULL_CROSS STREQUAL "windows")
+  set(CMAKE_SYSTEM_NAME Windows)
+  set(CMAKE_SYSTEM_PROCESSOR x86_64)
+  set(_triplet x86_64-w64-mingw32)
+  set(CMAKE_C_COMPILER ${_triplet}-gcc-posix)
+  set(CMAKE_CXX_COMPILER ${_triplet}-g++-posix)
+  set(CMAKE_RC_COMPILER ${_triplet}-windres)
+  foreach(_kind EXE MODULE SHARED)  # each brings the libraries of C++ and of threads
+    set(CMAKE_${_kind}_LINKER_FLAGS_INIT -static)
+  endforeach()
+  set(CMAKE_CROSSCOMPILING_EMULATOR wine)
+else()
+  set(CMAKE_SYSTEM_NAME Linux)
+  set(CMAKE_SYSTEM_PROCESSOR "${CULLHULL_CROSS}")
+  set(_triplet "${CULLHULL_CROSS}-linux-gnu")
+  set(CMAKE_C_COMPILER "${_triplet}-gcc")
+  set(CMAKE_CXX_COMPILER "${_triplet}-g++")
+  set(CMAKE_CROSSCOMPILING_EMULATOR "qemu-${CULLHULL_CROSS}-static;-L;/usr/${_triplet}")
+endif()
 set(CMAKE_FIND_ROOT_PATH "${CULLHULL_CROSS_ROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
-set(CMAKE_CROSSCOMPILING_EMULATOR "qemu-${CULLHULL_CROSS}-static;-L;/usr/${_triplet}")

@@ -12,6 +12,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
+#include "parallel/paths.hpp"
 
 namespace app {
 namespace {
@@ -69,11 +70,12 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
 }
 
 std::optional<Checkpoint> read_checkpoint(const std::string& path) {
+  const std::filesystem::path place = cullhull::internal::native_path(path);
   std::error_code unknown;
-  if (!std::filesystem::exists(path, unknown)) return std::nullopt;
-  if (std::filesystem::is_directory(path, unknown))
+  if (!std::filesystem::exists(place, unknown)) return std::nullopt;
+  if (std::filesystem::is_directory(place, unknown))
     throw Error(ErrorCode::io, path, ": a folder, where a checkpoint is a file");
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(place, std::ios::binary);
   if (!file) throw Error(ErrorCode::io, path, ": cannot open the checkpoint");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string_view rest = checked(path, text);

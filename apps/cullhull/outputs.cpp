@@ -11,6 +11,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io/json/json_writer.hpp"
+#include "parallel/paths.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
 
@@ -18,6 +19,8 @@ namespace app {
 
 using cullhull::internal::is_map;
 using cullhull::internal::is_mesh;
+using cullhull::internal::native_path;
+using cullhull::internal::utf8_name;
 
 namespace {
 
@@ -66,7 +69,7 @@ void check_points_dimension(const std::string& path, std::uint32_t dimension) {
 }
 
 std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
+  std::string ending = utf8_name(native_path(path).extension());
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return ending;
 }
@@ -118,7 +121,7 @@ std::string wrote_line(const std::string& path) {
   if (path.empty() || path == "-") return "";
   std::error_code not_a_file;
   if (is_converted(path)) return fmt::format("wrote      {}\n", path);  // of another size
-  const auto bytes = std::filesystem::file_size(path, not_a_file);
+  const auto bytes = std::filesystem::file_size(native_path(path), not_a_file);
   return not_a_file ? fmt::format("wrote      {}\n", path)
                     : fmt::format("wrote      {}, {} bytes\n", path, grouped(bytes));
 }
@@ -132,11 +135,11 @@ std::optional<FilePlan::Identity> FilePlan::identify(const std::string& path, bo
              : system::identify(path);
   if (file.regular) return Identity{file.device, file.number, ""};
   if (file.exists || stream) return std::nullopt;
-  const std::filesystem::path name(path);
-  const std::string folder = name.has_parent_path() ? name.parent_path().string() : ".";
+  const std::filesystem::path name = native_path(path);
+  const std::string folder = name.has_parent_path() ? utf8_name(name.parent_path()) : ".";
   const system::FileIdentity place = system::identify(folder);
-  if (!place.exists) return Identity{0, 0, name.lexically_normal().string()};
-  return Identity{place.device, place.number, name.filename().string()};
+  if (!place.exists) return Identity{0, 0, utf8_name(name.lexically_normal())};
+  return Identity{place.device, place.number, utf8_name(name.filename())};
 }
 
 void FilePlan::reads(const std::string& path) {

@@ -6,6 +6,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "pages.hpp"
+#include "parallel/paths.hpp"
 #include "terminal.hpp"
 #include "topics.hpp"
 #include "words.hpp"
@@ -43,11 +44,13 @@ constexpr const char* man_footer =
 void write_pages(const Parser& program, const std::string& folder) {
   for (const ManPage& page : man_pages(program, topics())) {
     const std::filesystem::path place =
-        std::filesystem::path(folder) / (std::string("man") + page.section);
+        cullhull::internal::native_path(folder) / (std::string("man") + page.section);
     std::error_code failed;
     std::filesystem::create_directories(place, failed);
-    if (failed) throw Error(ErrorCode::io, place.string(), ": ", failed.message());
-    cullhull::write_text((place / (page.name + "." + page.section)).string(), page.text);
+    if (failed)
+      throw Error(ErrorCode::io, cullhull::internal::utf8_name(place), ": ", failed.message());
+    cullhull::write_text(cullhull::internal::utf8_name(place / (page.name + "." + page.section)),
+                         page.text);
   }
 }
 

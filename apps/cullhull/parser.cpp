@@ -137,6 +137,7 @@ Parser::Parser(const std::string& name, const std::string& description)
     : name_(name), owned_(std::make_unique<CLI::App>(description, name)), app_(owned_.get()) {
   app_->set_help_flag();  // added when all other options are there
   app_->formatter(std::make_shared<Sections>());
+  app_->allow_windows_style_options(false);  // a word that begins with / is a file on each system
 }
 
 Parser::Parser(Parser& parent, const std::string& name, const std::string& description)

@@ -187,9 +187,9 @@ int run(const Program& program, const std::vector<std::string>& given) {
 }  // namespace
 
 int run_program(const Program& program, int argc, char** argv) {
-  system::prepare_heap();
+  system::prepare_process();
   keep_standard_streams();
-  const std::vector<std::string> words(argv + 1, argv + argc);
+  const std::vector<std::string> words = system::arguments(argc, argv);
   try {
     install_signals();
     return run(program, words);

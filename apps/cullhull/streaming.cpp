@@ -12,6 +12,7 @@
 #include "cullhull/error.hpp"
 #include "measure.hpp"
 #include "parallel/memory/memory.hpp"
+#include "parallel/paths.hpp"
 #include "signals.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
@@ -304,7 +305,8 @@ cullhull::BlockSummary stream_blocks(
 
 void remove_checkpoint(const StreamArguments& stream) {
   std::error_code not_there;
-  if (!stream.checkpoint.empty()) std::filesystem::remove(stream.checkpoint, not_there);
+  if (!stream.checkpoint.empty())
+    std::filesystem::remove(cullhull::internal::native_path(stream.checkpoint), not_there);
 }
 
 std::string streamed_points_line(const Streamed& streamed, std::size_t files) {

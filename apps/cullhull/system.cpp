@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "parallel/paths.hpp"
 #include "parallel/windows.hpp"
 #if defined(_WIN32)
 // After <windows.h>.
@@ -40,8 +41,23 @@ namespace app::system {
 std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
   return _write(fd, data, static_cast<unsigned>(std::min<std::size_t>(size, INT_MAX)));
 }
-void prepare_heap() {}
-bool is_terminal(int fd) { return _isatty(fd) != 0; }
+void prepare_process() {
+  for (const int fd : {standard_input, standard_output, standard_error})
+    (void)_setmode(fd, _O_BINARY);
+  SetConsoleOutputCP(CP_UTF8);
+}
+std::vector<std::string> arguments(int, char**) {
+  int count = 0;
+  wchar_t** const words = CommandLineToArgvW(GetCommandLineW(), &count);
+  std::vector<std::string> all;
+  for (int i = 1; i < count; ++i) all.push_back(cullhull::internal::utf8_name(words[i]));
+  LocalFree(words);
+  return all;
+}
+bool is_terminal(int fd) {
+  DWORD mode = 0;
+  return GetConsoleMode(reinterpret_cast<HANDLE>(_get_osfhandle(fd)), &mode) != 0;
+}
 std::size_t terminal_columns(int fd) {
   CONSOLE_SCREEN_BUFFER_INFO screen;
   const auto console = reinterpret_cast<HANDLE>(_get_osfhandle(fd));
@@ -52,7 +68,8 @@ void open_if_closed(int fd) {
   if (_get_osfhandle(fd) == -1) (void)_open("NUL", fd == 0 ? _O_WRONLY : _O_RDONLY);
 }
 void open_in_browser(const std::string& path) {
-  const std::wstring wide = std::filesystem::absolute(path).wstring();
+  const std::wstring wide =
+      std::filesystem::absolute(cullhull::internal::native_path(path)).wstring();
   (void)ShellExecuteW(nullptr, L"open", wide.c_str(), nullptr, nullptr, SW_SHOWNORMAL);
 }
 void wait_10_ms() { Sleep(10); }
@@ -96,7 +113,7 @@ FileIdentity identity_of(HANDLE file) {
 }  // namespace
 
 FileIdentity identify(const std::string& path) {
-  const HANDLE file = CreateFileW(std::filesystem::path(path).c_str(), 0,
+  const HANDLE file = CreateFileW(cullhull::internal::native_path(path).c_str(), 0,
                                   FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr,
                                   OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
   FileIdentity identity = identity_of(file);
@@ -110,13 +127,14 @@ FileIdentity identify(int fd) { return identity_of(reinterpret_cast<HANDLE>(_get
 std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
   return ::write(fd, data, size);
 }
-void prepare_heap() {
+void prepare_process() {
 #if defined(__GLIBC__)
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
     ::mallopt(M_ARENA_MAX, 1);
 #endif
 }
+std::vector<std::string> arguments(int argc, char** argv) { return {argv + 1, argv + argc}; }
 bool is_terminal(int fd) { return ::isatty(fd) == 1; }
 std::size_t terminal_columns(int fd) {
   winsize window{};

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace app::system {
 
@@ -17,9 +18,12 @@ bool is_terminal(int fd);
 std::size_t terminal_columns(int fd);
 /// Opens a null device for a standard stream that was closed.
 void open_if_closed(int fd);
-/// Where the addresses of the process are limited: one heap for all threads. A heap for each takes
-/// 128 MB of addresses for a moment and 64 MB for good.
-void prepare_heap();
+/// To be called first. Where the addresses of the process are limited: one heap for all threads, as
+/// a heap for each takes 128 MB of addresses for a moment and 64 MB for good. On Windows: standard
+/// streams pass bytes as they are, and the console takes UTF-8.
+void prepare_process();
+/// The words of the command line behind the program's name, in UTF-8.
+std::vector<std::string> arguments(int argc, char** argv);
 void wait_10_ms();                  ///< callable from a signal handler
 [[noreturn]] void end(int status);  ///< at once: no destructors, no handlers
 

@@ -14,6 +14,7 @@
 #include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
+#include "parallel/paths.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 
@@ -25,6 +26,8 @@ using cullhull::Error;
 using cullhull::ErrorCode;
 using cullhull::FrameReport;
 using cullhull::Hull;
+using cullhull::internal::native_path;
+using cullhull::internal::utf8_name;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* track_footer =
@@ -72,21 +75,21 @@ class FrameNames {
   explicit FrameNames(std::string pattern) : pattern_(std::move(pattern)) {
     if (pattern_.empty()) return;
     std::error_code ignored;
-    folder_ = pattern_.back() == '/' || std::filesystem::is_directory(pattern_, ignored);
+    folder_ = !native_path(pattern_).has_filename() ||
+              std::filesystem::is_directory(native_path(pattern_), ignored);
     if (!folder_) split();
   }
 
   void make_folder() const {
-    if (folder_) std::filesystem::create_directories(pattern_);
+    if (folder_) std::filesystem::create_directories(native_path(pattern_));
   }
 
   bool wanted() const { return !pattern_.empty(); }
 
   std::string of(std::uint64_t frame, std::uint32_t dimension) const {
     if (folder_)
-      return (std::filesystem::path(pattern_) /
-              fmt::format("frame-{:06}{}", frame, dimension <= 3 ? ".ply" : ".json"))
-          .string();
+      return utf8_name(native_path(pattern_) /
+                       fmt::format("frame-{:06}{}", frame, dimension <= 3 ? ".ply" : ".json"));
     return fmt::format("{}{:0{}}{}", before_, frame, width_, after_);
   }
 

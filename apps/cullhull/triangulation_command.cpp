@@ -27,6 +27,7 @@
 #include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
+#include "parallel/paths.hpp"
 #include "terminal.hpp"
 #include "topics.hpp"
 
@@ -39,6 +40,8 @@ using cullhull::ErrorCode;
 using cullhull::PointView;
 using cullhull::Triangulation;
 using cullhull::Voronoi;
+using cullhull::internal::native_path;
+using cullhull::internal::utf8_name;
 
 constexpr const char* delaunay_footer =
     "Output files (-o, by extension):\n"
@@ -113,7 +116,7 @@ std::vector<std::string> words_of(const std::vector<std::string>& given,
 
 bool names_file(const std::string& given) {
   std::error_code ignored;
-  return !given.empty() && std::filesystem::exists(given, ignored);
+  return !given.empty() && std::filesystem::exists(native_path(given), ignored);
 }
 
 /// The numbers of a file with one a point, or of a column of the input; `option` names `given`.
@@ -147,10 +150,10 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
 
 /// Whether the name is one of GeoJSON, compressed or not.
 bool is_geojson(const std::string& file) {
-  std::filesystem::path name(file);
+  std::filesystem::path name = native_path(file);
   if (const std::string ending = ending_of(file); ending == ".gz" || ending == ".zst")
     name.replace_extension();
-  return ending_of(name.string()) == ".geojson";
+  return ending_of(utf8_name(name)) == ".geojson";
 }
 
 /// "FILE:LINE" of an edge, or "FILE" where it has no line of its own.

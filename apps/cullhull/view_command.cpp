@@ -15,6 +15,7 @@
 #include "io/json/json_writer.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
+#include "parallel/paths.hpp"
 #include "signals.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
@@ -26,6 +27,9 @@ namespace {
 
 using cullhull::Error;
 using cullhull::ErrorCode;
+using cullhull::internal::native_path;
+using cullhull::internal::separators;
+using cullhull::internal::utf8_name;
 using cullhull::viewer::Scene;
 using cullhull::viewer::SceneFrame;
 
@@ -81,17 +85,17 @@ struct ViewArguments {
 };
 
 std::string title_of(const std::string& path) {
-  return path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
+  return path == "-" ? "standard input" : utf8_name(native_path(path).filename());
 }
 
-bool is_json(const std::string& path) { return std::filesystem::path(path).extension() == ".json"; }
+bool is_json(const std::string& path) { return native_path(path).extension() == ".json"; }
 
 /// JSON that is neither GeoJSON, which alone has a member "type", nor rows of points: a hull's
 /// member "points" is an object.
 bool may_be_hull(const std::string& path) {
   if (path == "-" || !is_json(path)) return false;
   std::string head(std::size_t{1} << 16, '\0');
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(native_path(path), std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
   std::erase_if(head, [](unsigned char c) { return std::isspace(c) != 0; });
@@ -103,7 +107,8 @@ std::string ViewArguments::title() const {
   const std::string one = files.size() == 1 ? files[0] : only_word();
   if (one.empty()) return title_of(files[0]) + " and " + std::to_string(files.size() - 1) + " more";
   std::string path = one;
-  while (path.size() > 1 && path.back() == '/') path.pop_back();  // of a folder
+  while (path.size() > 1 && separators.find(path.back()) != std::string::npos)
+    path.pop_back();  // of a folder
   return title_of(path);
 }
 
@@ -113,7 +118,7 @@ bool is_sequence(const ViewArguments& arguments) {
   if (arguments.frames) return true;
   if (arguments.files.size() != 1 || arguments.files[0] == "-") return false;
   if (input.dimension != 0 || !input.type.empty()) return false;
-  const std::string extension = std::filesystem::path(arguments.files[0]).extension().string();
+  const std::string extension = utf8_name(native_path(arguments.files[0]).extension());
   return input.format == "npy" || (input.format.empty() && extension == ".npy");
 }
 
@@ -130,13 +135,13 @@ std::string page_beside(const ViewArguments& arguments) {
       word.find_first_of("*?[") != std::string::npos)
     throw Error(ErrorCode::invalid_argument,
                 "-o PAGE.html is needed for several inputs and for standard input");
-  std::filesystem::path path(cullhull::file_of_input(word));
+  std::filesystem::path path = native_path(cullhull::file_of_input(word));
   if (!path.has_filename()) path = path.parent_path();
   std::error_code ignored;
   if (!std::filesystem::is_directory(path, ignored))
     while (path.has_extension()) path.replace_extension();
-  std::string page = path.string() + ".html";
-  std::ifstream file(page, std::ios::binary);
+  std::string page = utf8_name(path) + ".html";
+  std::ifstream file(native_path(page), std::ios::binary);
   if (!file) return page;
   std::string head(std::size_t{1} << 16, '\0');  // behind licences
   file.read(head.data(), static_cast<std::streamsize>(head.size()));

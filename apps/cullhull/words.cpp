@@ -5,14 +5,17 @@
 #include <numeric>
 #include <utility>
 
+#include "parallel/paths.hpp"
+
 namespace app {
 namespace {
 
 /// Whether it is a file, or a name that looks like one.
 bool looks_like_a_file(const std::string& word) {
   std::error_code ignored;
-  return word == "-" || std::filesystem::exists(word, ignored) ||
-         word.find_first_of("./") != std::string::npos;
+  return word == "-" || word.find('.') != std::string::npos ||
+         word.find_first_of(cullhull::internal::separators) != std::string::npos ||
+         std::filesystem::exists(cullhull::internal::native_path(word), ignored);
 }
 
 /// The Levenshtein distance (1966).

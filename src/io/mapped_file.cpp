@@ -50,7 +50,7 @@ int list_mapping(const Source& source) {
 }
 
 [[noreturn]] void refuse(const std::string& name, const char* doing, int error) {
-  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::system_category().message(error));
+  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::generic_category().message(error));
 }
 
 /// The memory that a mapped file's size is compared with.

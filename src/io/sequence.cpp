@@ -13,6 +13,7 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
+#include "parallel/paths.hpp"
 
 namespace cullhull {
 
@@ -99,7 +100,7 @@ bool natural_less(const std::string& a, const std::string& b) {
 /// A Zarr array or group is a folder whose files hold no points in a format read here.
 void refuse_zarr(const std::string& path) {
   for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
-    if (std::filesystem::exists(std::filesystem::path(path) / mark))
+    if (std::filesystem::exists(native_path(path) / mark))
       throw Error(ErrorCode::bad_file, display_name(path),
                   ": a Zarr folder is read by the Python package: cullhull.read(path), or "
                   "cullhull.dask");
@@ -114,7 +115,7 @@ void skip_unknown(const std::string& folder, std::vector<std::string>& files,
   constexpr std::ptrdiff_t most = 3;
   const std::ptrdiff_t count = files.end() - known;
   for (std::ptrdiff_t i = 0; i < std::min(count, most); ++i)
-    list += (i > 0 ? ", " : "") + quoted_text(std::filesystem::path(known[i]).filename().string());
+    list += (i > 0 ? ", " : "") + quoted_text(utf8_name(native_path(known[i]).filename()));
   if (options.remark)
     options.remark({display_name(folder),
                     std::to_string(count) + (count == 1 ? " file" : " files") +
@@ -127,10 +128,10 @@ void list_folder(const std::string& path, std::vector<std::string>& files,
   refuse_zarr(path);
   std::error_code error;
   std::vector<std::string> found;
-  for (std::filesystem::directory_iterator it(path, error), end; !error && it != end;
+  for (std::filesystem::directory_iterator it(native_path(path), error), end; !error && it != end;
        it.increment(error))
-    if (it->path().filename().string()[0] != '.' && !it->is_directory())
-      found.push_back(it->path().string());
+    if (utf8_name(it->path().filename())[0] != '.' && !it->is_directory())
+      found.push_back(utf8_name(it->path()));
   if (error) throw Error(ErrorCode::io, display_name(path), ": ", error.message());
   if (found.empty())
     throw Error(ErrorCode::bad_file, display_name(path), ": a folder without files");

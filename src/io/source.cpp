@@ -8,6 +8,7 @@
 #include "parallel/byte_order.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
+#include "parallel/paths.hpp"
 
 namespace cullhull::internal {
 
@@ -134,7 +135,7 @@ std::string display_name(const std::string& path) {
 }
 
 std::string extension_of(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
+  const std::size_t slash = path.find_last_of(separators);
   const std::size_t dot = path.rfind('.');
   if (dot == std::string::npos || (slash != std::string::npos && dot < slash)) return "";
   std::string out = path.substr(dot + 1);

@@ -5,6 +5,7 @@
 #include <climits>
 #include <new>
 
+#include "parallel/paths.hpp"
 #include "parallel/windows.hpp"
 #if !defined(_WIN32)
 #include <dlfcn.h>
@@ -32,6 +33,12 @@ int failed() {
     case ERROR_ACCESS_DENIED:
     case ERROR_SHARING_VIOLATION:
       return errno = EACCES, -1;
+    case ERROR_HANDLE_DISK_FULL:
+    case ERROR_DISK_FULL:
+      return errno = ENOSPC, -1;
+    case ERROR_BROKEN_PIPE:
+    case ERROR_NO_DATA:
+      return errno = EPIPE, -1;
     case ERROR_NOT_ENOUGH_MEMORY:
     case ERROR_OUTOFMEMORY:
       return errno = ENOMEM, -1;
@@ -47,11 +54,26 @@ unsigned at_most(std::size_t size) {
 
 }  // namespace
 
-int open_to_read(const char* path) { return _open(path, _O_RDONLY | _O_BINARY | _O_NOINHERIT); }
-int open_to_write(const char* path) { return _open(path, _O_WRONLY | _O_BINARY | _O_NOINHERIT); }
+int status_of(const char* path, FileStatus& status) {
+  const std::filesystem::path name = native_path(path);  // "folder/" is not there, "folder" is
+  return _wstat64((name.has_filename() ? name : name.parent_path()).c_str(), &status);
+}
+bool may_write(const char* path) { return _waccess(native_path(path).c_str(), 2) == 0; }
+int remove_file(const char* path) { return _wunlink(native_path(path).c_str()); }
+int open_to_read(const char* path) {
+  const int fd = _wopen(native_path(path).c_str(), _O_RDONLY | _O_BINARY | _O_NOINHERIT);
+  const int error = errno;
+  FileStatus status{};
+  const bool folder = fd < 0 && status_of(path, status) == 0 && is_folder(status);
+  errno = folder ? EISDIR : error;
+  return fd;
+}
+int open_to_write(const char* path) {
+  return _wopen(native_path(path).c_str(), _O_WRONLY | _O_BINARY | _O_NOINHERIT);
+}
 int create_file(const char* path) {
-  return _open(path, _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT,
-               _S_IREAD | _S_IWRITE);
+  return _wopen(native_path(path).c_str(),
+                _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
 }
 int duplicate(int fd) { return _dup(fd); }
 
@@ -60,19 +82,30 @@ void* find_symbol(void* library, const char* name) {
   return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name));
 }
 
+// By handles: descriptors of standard streams translate line ends.
 std::ptrdiff_t read_some(int fd, void* out, std::size_t size) {
-  return _read(fd, out, at_most(size));
+  DWORD got = 0;
+  if (ReadFile(handle_of(fd), out, at_most(size), &got, nullptr)) return got;
+  return GetLastError() == ERROR_BROKEN_PIPE ? 0 : failed();  // its writer has ended
 }
+// By a handle of its own: a reading at an offset moves the place where the next one of the same
+// handle begins.
 std::ptrdiff_t read_some_at(int fd, void* out, std::size_t size, std::uint64_t offset) {
+  const HANDLE file = ReOpenFile(handle_of(fd), GENERIC_READ,
+                                 FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, 0);
+  if (file == INVALID_HANDLE_VALUE) return failed();
   OVERLAPPED place{};
   place.Offset = static_cast<DWORD>(offset);
   place.OffsetHigh = static_cast<DWORD>(offset >> 32);
   DWORD got = 0;
-  if (ReadFile(handle_of(fd), out, at_most(size), &got, &place)) return got;
-  return GetLastError() == ERROR_HANDLE_EOF ? 0 : failed();
+  const bool read = ReadFile(file, out, at_most(size), &got, &place) != 0;
+  const std::ptrdiff_t result = read ? got : GetLastError() == ERROR_HANDLE_EOF ? 0 : failed();
+  CloseHandle(file);
+  return result;
 }
 std::ptrdiff_t write_some(int fd, const void* data, std::size_t size) {
-  return _write(fd, data, at_most(size));
+  DWORD sent = 0;
+  return WriteFile(handle_of(fd), data, at_most(size), &sent, nullptr) ? sent : failed();
 }
 bool readable_soon(int fd) {
   DWORD waiting = 0;  // of pipes; anything else has bytes or is at its end
@@ -99,16 +132,16 @@ std::size_t map_granularity() {
 }
 
 std::vector<std::string> files_matching(const std::string& pattern) {
-  const std::size_t slash = pattern.find_last_of("/\\");
+  const std::size_t slash = pattern.find_last_of(separators);
   const std::string folder = slash == std::string::npos ? "" : pattern.substr(0, slash + 1);
   std::vector<std::string> found;
-  WIN32_FIND_DATAA entry{};
-  const HANDLE search = FindFirstFileA(pattern.c_str(), &entry);
+  WIN32_FIND_DATAW entry{};
+  const HANDLE search = FindFirstFileW(native_path(pattern).c_str(), &entry);
   if (search == INVALID_HANDLE_VALUE) return found;
   do {
     if ((entry.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY) == 0)
-      found.push_back(folder + entry.cFileName);
-  } while (FindNextFileA(search, &entry));
+      found.push_back(folder + utf8_name(entry.cFileName));
+  } while (FindNextFileW(search, &entry));
   FindClose(search);
   return found;
 }

@@ -1,5 +1,5 @@
 // The system calls for files: POSIX, or their counterparts on Windows. No other source of io uses
-// the system's own functions for files, memory maps and pipes.
+// the system's own functions for files, memory maps and pipes. Paths are UTF-8.
 #pragma once
 
 #include <sys/stat.h>
@@ -24,13 +24,13 @@ inline constexpr std::size_t longest_path = 4096;
 
 #if defined(_WIN32)
 using FileStatus = struct _stat64;
-inline int status_of(const char* path, FileStatus& status) { return _stat64(path, &status); }
+int status_of(const char* path, FileStatus& status);
 inline int status_of(int fd, FileStatus& status) { return _fstat64(fd, &status); }
 inline bool is_folder(const FileStatus& s) { return (s.st_mode & _S_IFMT) == _S_IFDIR; }
 inline bool is_regular(const FileStatus& s) { return (s.st_mode & _S_IFMT) == _S_IFREG; }
-inline bool may_write(const char* path) { return _access(path, 2) == 0; }
+bool may_write(const char* path);
 inline int close_file(int fd) { return _close(fd); }
-inline int remove_file(const char* path) { return _unlink(path); }
+int remove_file(const char* path);
 inline int process_number() { return _getpid(); }
 #else
 using FileStatus = struct stat;

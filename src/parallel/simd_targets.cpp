@@ -2,8 +2,8 @@
 // programs need not load Highway's library: when it is loaded, it measures the processor's timer
 // for its benchmarks, which takes 3 to 4 ms of each process (Highway 1.0.3 and later), half of the
 // time that the program takes to start. They are weak: where Highway's static library is linked and
-// has more that is needed, its own functions take their place. Other processors and compilers have
-// those alone.
+// has more that is needed, its own functions take their place. On Windows they are not: linkers
+// find no weak function in an archive there. Other processors and compilers have Highway's alone.
 #include "parallel/simd_targets.hpp"
 
 #undef HWY_SHARED_DEFINE  // not exported: other libraries of a process keep Highway's
@@ -17,6 +17,12 @@
 #if defined(__GLIBC__) && !defined(__clang__) && __has_include(<sys/platform/x86.h>)
 #include <sys/platform/x86.h>  // of C, but for GCC
 #define CULLHULL_GLIBC_CPUID
+#endif
+
+#if defined(_WIN32)
+#define CULLHULL_WEAK
+#else
+#define CULLHULL_WEAK [[gnu::weak]]
 #endif
 
 namespace hwy {
@@ -83,7 +89,7 @@ std::int64_t detected() {
 
 }  // namespace
 
-[[gnu::weak]] std::int64_t SupportedTargets() {
+CULLHULL_WEAK std::int64_t SupportedTargets() {
   static const std::int64_t supported = detected();
   std::int64_t found = for_test.load(std::memory_order_relaxed);
   if (found == 0) found = supported;
@@ -91,17 +97,17 @@ std::int64_t detected() {
   return found == 0 ? HWY_STATIC_TARGET : found;
 }
 
-[[gnu::weak]] ChosenTarget& GetChosenTarget() {
+CULLHULL_WEAK ChosenTarget& GetChosenTarget() {
   static ChosenTarget chosen;
   return chosen;
 }
 
-[[gnu::weak]] void DisableTargets(std::int64_t targets) {
+CULLHULL_WEAK void DisableTargets(std::int64_t targets) {
   disabled = targets;
   GetChosenTarget().DeInit();
 }
 
-[[gnu::weak]] void SetSupportedTargetsForTest(std::int64_t targets) {
+CULLHULL_WEAK void SetSupportedTargetsForTest(std::int64_t targets) {
   for_test = targets;
   GetChosenTarget().DeInit();
 }

@@ -110,11 +110,17 @@ inline int wait_for(pid_t child, rusage* used = nullptr) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
+/// The program that is tested, or what CULLHULL_TESTED_APP names (scripts/windows.sh).
+inline std::string tested_app() {
+  const char* const other = std::getenv("CULLHULL_TESTED_APP");
+  return other != nullptr ? other : CULLHULL_APP;
+}
+
 /// The program and its arguments, as exec takes them. A first argument "cullhull-bench" asks for
 /// that program, which lies beside the usual one.
 class CommandLine {
  public:
-  explicit CommandLine(const std::vector<std::string>& arguments) : words_{CULLHULL_APP} {
+  explicit CommandLine(const std::vector<std::string>& arguments) : words_{tested_app()} {
     words_.insert(words_.end(), arguments.begin(), arguments.end());
     if (words_.size() > 1 && words_[1] == "cullhull-bench") {
       words_[0] += "-bench";

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
-#include <latch>
+#include <future>
 #include <set>
 #include <stop_token>
 #include <string>
@@ -50,21 +51,24 @@ unsigned a_dimension_of(const std::string& shape) {
 class OtherCalls {
  public:
   OtherCalls() {
+    // Not by latches, which lose wake-ups on Windows (GCC 12).
+    const std::shared_future<void> over = over_.get_future();
     while (threads_.size() < internal::machine_threads())
-      threads_.emplace_back([&] {
+      threads_.emplace_back([this, over] {
         const internal::CallScope call;
-        begun_.count_down();
-        over_.wait();
+        ++begun_;
+        over.wait();
       });
-    begun_.wait();
+    while (begun_ < threads_.size()) std::this_thread::yield();
   }
   ~OtherCalls() {
-    over_.count_down();
+    over_.set_value();
     for (std::thread& t : threads_) t.join();
   }
 
  private:
-  std::latch begun_{static_cast<std::ptrdiff_t>(internal::machine_threads())}, over_{1};
+  std::atomic<std::size_t> begun_{0};
+  std::promise<void> over_;
   std::vector<std::thread> threads_;
 };
 

@@ -2,8 +2,10 @@
 #include "parallel/threads/helpers.hpp"
 
 #include <gtest/gtest.h>
+#if !defined(_WIN32)
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 #include <atomic>
 #include <numeric>
@@ -75,6 +77,7 @@ TEST(Helpers, AnExceptionEndsTheLoop) {
   }
 }
 
+#if !defined(_WIN32)
 TEST(Helpers, AForkedProcessHasItsOwn) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "ThreadSanitizer ends a forked child that starts threads";
@@ -90,5 +93,6 @@ TEST(Helpers, AForkedProcessHasItsOwn) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
 }
+#endif
 
 }  // namespace cullhull::internal::helpers_test

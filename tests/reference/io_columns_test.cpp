@@ -1,10 +1,9 @@
 // Columns by name and number: of texts whose other columns hold anything, and of every format.
-#include <unistd.h>
-
 #include <algorithm>
 #include <set>
 
 #include "cullhull/point_blocks.hpp"
+#include "io/system.hpp"
 #include "tests/io_fixtures.hpp"
 #include "thrown.hpp"
 
@@ -309,7 +308,7 @@ TEST(Columns, EveryCombinationOfUpToFourNames) {
 // The mapping ends with the last coordinate: a read behind it ends the process.
 TEST(Columns, OfAPlaneAtTheEndOfAPageHaveNoZ) {
   const TemporaryFolder folder;
-  const std::size_t page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::size_t page = internal::system::map_granularity();
   const std::string points(4096, '\0');
   std::string text = ply("binary_little_endian", "xy", "");
   text.replace(text.find(" 2\n"), 3, " " + std::to_string(points.size() / 16) + "\n");

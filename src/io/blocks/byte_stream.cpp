@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t head_bytes = std::size_t{1} << 20;
 
 [[noreturn]] void refuse(const std::string& name, const char* doing, int error) {
-  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::system_category().message(error));
+  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::generic_category().message(error));
 }
 
 /// Reads a descriptor from its present position.

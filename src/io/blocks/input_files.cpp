@@ -11,6 +11,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "parallel/memory/memory.hpp"
+#include "parallel/paths.hpp"
 namespace cullhull {
 
 namespace {
@@ -22,7 +23,7 @@ std::vector<std::string> listed(const std::string& path) {
     throw Error(ErrorCode::io, internal::display_name(path),
                 ": a folder, where a list of files is wanted; without the @ its "
                 "files are the input");
-  std::ifstream list(path);
+  std::ifstream list(internal::native_path(path));
   if (!list) throw Error(ErrorCode::io, internal::display_name(path), ": cannot open the list");
   std::vector<std::string> words;
   for (std::string line; std::getline(list, line);) {

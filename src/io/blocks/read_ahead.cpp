@@ -26,7 +26,7 @@ Waiting& waiting() {
 
 [[noreturn]] void refuse(const std::string& path, const char* doing) {
   throw Error(ErrorCode::io, display_name(path), ": ", doing, ": ",
-              std::system_category().message(errno));
+              std::generic_category().message(errno));
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "parallel/byte_order.hpp"
+#include "parallel/paths.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -146,7 +147,7 @@ std::string crs_of_geojson(std::string_view text) {
 
 /// What is beside a file: NAME.prj, of a compressed one without its .gz.
 std::string crs_beside(const std::string& file) {
-  const std::filesystem::path name(unpacked_name(file));
+  const std::filesystem::path name = native_path(unpacked_name(file));
   for (const char* ending : {".prj", ".PRJ"}) {
     std::filesystem::path beside = name;
     std::ifstream in(beside.replace_extension(ending), std::ios::binary);

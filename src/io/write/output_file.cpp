@@ -13,6 +13,7 @@
 #include "cullhull/io.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
+#include "parallel/paths.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -38,6 +39,8 @@ int list_unfinished(const std::string& path) {
   return -1;
 }
 
+std::error_code numbered(int error) { return {error, std::generic_category()}; }
+
 constexpr std::size_t buffer_size = std::size_t{1} << 20;
 
 }  // namespace
@@ -51,18 +54,18 @@ OutputFile::OutputFile(const std::string& path)
   }
   system::FileStatus status{};
   const bool exists = system::status_of(path.c_str(), status) == 0;
-  if (exists && system::is_folder(status)) refuse("cannot write", EISDIR);
+  if (exists && system::is_folder(status)) refuse("cannot write", numbered(EISDIR));
   if (exists && !system::is_regular(status)) {
     descriptor_ = system::open_to_write(path.c_str());
-    if (descriptor_ < 0) refuse("cannot open", errno);
+    if (descriptor_ < 0) refuse("cannot open", numbered(errno));
     return;
   }
   if (exists) {
-    if (!system::may_write(path.c_str())) refuse("cannot write", errno);
+    if (!system::may_write(path.c_str())) refuse("cannot write", numbered(errno));
     // Replaces the target of a link, not the link.
     std::error_code error;
-    target_ = std::filesystem::canonical(path, error).string();
-    if (error) refuse("cannot write", error.value());
+    target_ = utf8_name(std::filesystem::canonical(native_path(path), error));
+    if (error) refuse("cannot write", error);
   } else {
     target_ = path;
   }
@@ -77,18 +80,18 @@ void OutputFile::open_beside(const std::string& path) {
                  std::to_string(counter++) + ".tmp";
     if (temporary_.size() >= system::longest_path) {
       temporary_.clear();
-      refuse("cannot write", ENAMETOOLONG);
+      refuse("cannot write", numbered(ENAMETOOLONG));
     }
     // Listed first: a signal between the two calls then removes a file that does not exist.
     slot_ = list_unfinished(temporary_);
     descriptor_ = system::create_file(temporary_.c_str());
     if (descriptor_ >= 0) return;
-    const int error = errno;
+    const std::error_code error = numbered(errno);
     temporary_.clear();
     abandon();
-    if (error != EEXIST) refuse("cannot write", error);
+    if (error != std::errc::file_exists) refuse("cannot write", error);
   }
-  refuse("cannot write", EEXIST);
+  refuse("cannot write", numbered(EEXIST));
 }
 
 OutputFile::~OutputFile() { abandon(); }
@@ -102,9 +105,9 @@ void OutputFile::abandon() noexcept {
   slot_ = -1;
 }
 
-void OutputFile::refuse(const char* doing, int error) {
+void OutputFile::refuse(const char* doing, const std::error_code& error) {
   abandon();
-  throw Error(ErrorCode::io, name_, ": ", doing, ": ", std::system_category().message(error));
+  throw Error(ErrorCode::io, name_, ": ", doing, ": ", error.message());
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -140,7 +143,7 @@ void OutputFile::send(const char* data, std::size_t size) {
   while (size > 0) {
     const std::ptrdiff_t sent = system::write_some(descriptor_, data, size);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0) refuse("cannot write", errno);
+    if (sent < 0) refuse("cannot write", numbered(errno));
     data += sent;
     size -= static_cast<std::size_t>(sent);
   }
@@ -152,11 +155,11 @@ void OutputFile::commit() {
   // Some file systems report a full disk only here.
   if (descriptor_ != system::standard_output &&
       system::close_file(std::exchange(descriptor_, -1)) != 0)
-    refuse("cannot write", errno);
+    refuse("cannot write", numbered(errno));
   if (!temporary_.empty()) {
     std::error_code error;
-    std::filesystem::rename(temporary_, target_, error);
-    if (error) refuse("cannot rename to", error.value());
+    std::filesystem::rename(native_path(temporary_), native_path(target_), error);
+    if (error) refuse("cannot rename to", error);
     temporary_.clear();
   }
   abandon();

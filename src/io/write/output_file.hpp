@@ -37,7 +37,7 @@ class OutputFile {
   void open_beside(const std::string& path);
   void send(const char* data, std::size_t size);
   void abandon() noexcept;
-  [[noreturn]] void refuse(const char* doing, int error);
+  [[noreturn]] void refuse(const char* doing, const std::error_code& error);
 
   std::string name_;       ///< for messages
   std::string target_;     ///< after following links

@@ -382,7 +382,9 @@ PageScope::~PageScope() {}
 
 void* allocate_block(std::size_t bytes) {
   if (bytes < kept_block) return ::operator new(bytes);
-  return bytes < mapped_block ? free_blocks().take(bytes) : ::operator new(bytes, alignment);
+  if (bytes < mapped_block) return free_blocks().take(bytes);
+  if (bytes > ~std::size_t{0} / 2) throw std::bad_alloc();  // rounded up, some systems' is small
+  return ::operator new(bytes, alignment);
 }
 void free_block(void* block, std::size_t bytes) noexcept {
   if (bytes < kept_block) return ::operator delete(block);

@@ -2,6 +2,8 @@
 
 #if defined(__linux__)
 #include <sched.h>
+#elif defined(__MINGW32__)
+#include <cxxabi.h>
 #endif
 
 #include <algorithm>
@@ -15,6 +17,7 @@
 
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/fork_guard.hpp"
+#include "parallel/windows.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -33,6 +36,26 @@ void pause_once() {
   std::this_thread::yield();
 #endif
 }
+
+/// Helpers are never joined, so a DLL with their code must not be unloaded. The linker sees to that
+/// elsewhere (src/shared/CMakeLists.txt).
+void keep_code() {
+#if defined(_WIN32)
+  HMODULE ours = nullptr;
+  GetModuleHandleExW(GET_MODULE_HANDLE_EX_FLAG_PIN | GET_MODULE_HANDLE_EX_FLAG_FROM_ADDRESS,
+                     reinterpret_cast<LPCWSTR>(&keep_code), &ours);
+#endif
+}
+
+#if defined(__MINGW32__)
+/// When a thread ends, MinGW frees the memory of its thread_local variables and calls their
+/// destructors in the order in which the process first needed either: the destructors would find
+/// freed memory. One that does nothing, registered before any such variable is used, puts
+/// destructors first.
+[[gnu::constructor(101)]] void put_destructors_first() {
+  abi::__cxa_thread_atexit([](void*) {}, nullptr, reinterpret_cast<void*>(&put_destructors_first));
+}
+#endif
 
 /// Calls that the current thread has begun and not ended: 0 or 1.
 thread_local unsigned calls_here = 0;
@@ -103,6 +126,7 @@ class Helpers {
 
   bool start_one() {
     try {
+      keep_code();
       std::thread([this] { live(); }).detach();
     } catch (const std::system_error&) {
       return false;  // no more threads: fewer helpers
