@@ -29,7 +29,10 @@ int failed() {
   switch (GetLastError()) {
     case ERROR_FILE_NOT_FOUND:
     case ERROR_PATH_NOT_FOUND:
+    case ERROR_INVALID_NAME:
       return errno = ENOENT, -1;
+    case ERROR_FILE_EXISTS:
+      return errno = EEXIST, -1;
     case ERROR_ACCESS_DENIED:
     case ERROR_SHARING_VIOLATION:
       return errno = EACCES, -1;
@@ -71,9 +74,13 @@ int open_to_read(const char* path) {
 int open_to_write(const char* path) {
   return _wopen(native_path(path).c_str(), _O_WRONLY | _O_BINARY | _O_NOINHERIT);
 }
+// An interrupt removes what is unfinished while it is open: it must be shared for that.
 int create_file(const char* path) {
-  return _wopen(native_path(path).c_str(),
-                _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+  const HANDLE file = CreateFileW(native_path(path).c_str(), GENERIC_WRITE,
+                                  FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr,
+                                  CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (file == INVALID_HANDLE_VALUE) return static_cast<int>(failed());
+  return _open_osfhandle(reinterpret_cast<std::intptr_t>(file), _O_BINARY);
 }
 int duplicate(int fd) { return _dup(fd); }
 

@@ -305,7 +305,9 @@ TEST(Output, InterruptRemovesTemporaries) {
     a.write(std::string(2 << 20, 'a'));
     EXPECT_EQ(folder.entries(), 2U);
     remove_unfinished_files();
+#if !defined(_WIN32)  // where the name of an open file goes with the file, when it is closed
     EXPECT_EQ(folder.entries(), 0U);
+#endif
   }
   folder.write("c", "kept");
   remove_unfinished_files();

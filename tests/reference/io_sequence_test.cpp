@@ -85,6 +85,7 @@ TEST_F(Sequence, WhatArraysMayNotBe) {
   EXPECT_TRUE(has(refusal((folder_ / "empty").string()), "without files"));
 }
 
+#if !defined(_WIN32)  // where a mapped file cannot be cut
 TEST_F(Sequence, AFileThatShrinksIsAnError) {
   const std::string path =
       put("a.npy", array("<f8", "3, 2, 1", bytes_of(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)));
@@ -94,6 +95,7 @@ TEST_F(Sequence, AFileThatShrinksIsAnError) {
   EXPECT_TRUE(sequence.next());
   EXPECT_THROW(sequence.next(), Error);
 }
+#endif
 
 TEST_F(Sequence, FilesInNaturalOrder) {
   fs::create_directories(folder_ / "frames");

@@ -25,7 +25,7 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/io", 18500},   {"src/parallel", 2960}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 30510},
     {"tests", 53620},    {"docs", 10190},         {"apps", 9525},         {"bench", 7560},
-    {"viewer", 3430},    {"scripts", 3800},
+    {"viewer", 3430},    {"scripts", 3835},
 };
 
 bool is_text(const fs::path& file) {
