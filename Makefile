@@ -6,7 +6,8 @@ FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
 SUITES :=
 
-.PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts macos
+.PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static \
+  artifacts macos windows
 .NOTPARALLEL:
 
 help:
@@ -23,6 +24,7 @@ help:
 	@echo "make static   the program as one file for any Linux, in build/dist/"
 	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
 	@echo "make macos    library and program linked for macOS, in build/macos/ (not run)"
+	@echo "make windows  program, DLL and wheel for Windows in build/windows/dist/, tested under wine"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -79,6 +81,10 @@ artifacts:
 macos:
 	@scripts/install-deps.sh build zig
 	@JOBS=$(JOBS) scripts/cross-check.sh macos
+
+windows:
+	@scripts/install-deps.sh build windows
+	JOBS=$(JOBS) scripts/windows.sh
 
 fuzz:
 	@scripts/install-deps.sh build fuzz

@@ -22,20 +22,9 @@ rm -rf "$folder"
 mkdir -p "$folder/usr/include" "$folder/download"
 cd "$folder/download"
 
-# An apt of our own, so that the machine's is left as it is: fetch NAME "SOURCES LINE" COMMAND...
-fetch() {
-  local state=$PWD/$1
-  mkdir -p "$state/lists/partial" "$state/cache/archives/partial"
-  echo "$2" >"$state/sources.list"
-  touch "$state/status"
-  local options=(-qq -o "Dir::Etc::sourcelist=$state/sources.list" -o Dir::Etc::sourceparts=/dev/null
-    -o "Dir::State::lists=$state/lists" -o "Dir::State::status=$state/status"
-    -o "Dir::Cache=$state/cache" -o APT::Sandbox::User=root)
-  apt-get "${options[@]}" update || give_up "$mirror has not given its lists"
-  apt-get "${options[@]}" "${@:3}" || give_up "$mirror has not given: ${*:4}"
-}
 keys=/usr/share/keyrings/debian-archive-keyring.gpg
 [[ -e $keys ]] || give_up "no $keys (Debian: debian-archive-keyring)"
+fetch() { "$root/scripts/apt-fetch.sh" "$@"; } # fetch NAME "SOURCES LINE" COMMAND...
 fetch old "deb [signed-by=$keys] $mirror bullseye main" \
   download libc6 libc6-dev linux-libc-dev libcrypt1 libcrypt-dev libgcc-10-dev
 fetch new "deb [signed-by=$keys] $mirror bookworm main" \

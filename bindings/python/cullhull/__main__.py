@@ -33,7 +33,7 @@ _WITH_VALUES = (*_OUTPUTS, *_SHAPES, *_NUMBERS, *_COLUMNS, "--crs")
 
 def program() -> str:
     """Path of the command-line program."""
-    return str(Path(__file__).parent / "bin" / "cullhull")
+    return str(Path(__file__).parent / "bin" / ("cullhull.exe" if os.name == "nt" else "cullhull"))
 
 
 def _file_of(word: str) -> str:
@@ -299,6 +299,8 @@ def main() -> None:
     words = sys.argv[1:]
     sys.stdout.flush()
     if not _needs_help(words):
+        if os.name == "nt":  # where exec lets the caller go on before the program has ended
+            sys.exit(_run([path, *words], dict(os.environ)))
         os.execv(path, [path, *words])
     # In a folder of its own, which is removed when the program has ended.
     with tempfile.TemporaryDirectory(prefix="cullhull-") as name:
