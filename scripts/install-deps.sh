@@ -3,8 +3,8 @@
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
 # Parts: build (always included), mpi, test (for make test), test-all, bench, docs, fuzz, format,
 # python, package (to build artifacts), roots (to check them), cross, zig (what scripts/zig.sh builds
-# libraries with), windows, interface. Does nothing where nothing is missing; else it says how much it will
-# fetch, and calls apt-get as root, or through sudo.
+# libraries with), windows, interface. Does nothing where nothing is missing; else it says how much
+# it will fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev
