@@ -475,7 +475,7 @@ TEST_F(EmulatedEdges, PointsOfTheHostAreFilteredAsThoseOfTheDevice) {
   std::uint64_t survivors = 0;
   for (const Case& c : {Case{"sphere", 8000, std::size_t{1} << 34, true},
                         {"ball", 70000, std::size_t{1} << 34, true},
-                        {"ball", 150000, 12 << 20, false}}) {  // for the points alone 1.8 MB
+                        {"ball", 150000, 6 << 20, false}}) {  // for the points alone 1.8 MB
     auto rows = testing_support::made<float>(c.shape, c.n, 3, 4);
     const auto here = PointView::row_major(rows.data(), c.n, 3);
     const std::uint64_t expected = plain_hash(rows, 3);
