@@ -115,7 +115,7 @@ def test_fragments_of_the_documentation():
                 continue
             if any(
                 importlib.util.find_spec(name) is None
-                for name in ("pandas", "shapely", "trimesh")
+                for name in ("pandas", "shapely", "trimesh", "pyvista")
                 if name in block
             ):
                 continue

@@ -154,6 +154,17 @@ def test_trimesh():
     assert there == (trimesh.convex.ConvexHull, trimesh.bounds.ConvexHull)
 
 
+def test_a_package_that_refuses_keeps_no_other():
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    there = trimesh.convex.ConvexHull
+    cullhull.patch("scipy", "trimesh")
+    ours, spatial.Delaunay = spatial.Delaunay, threading.Thread
+    with pytest.raises(cullhull.InvalidArgument, match="no longer ours"):
+        cullhull.unpatch("scipy", "trimesh")
+    assert trimesh.convex.ConvexHull is there
+    spatial.Delaunay = ours
+
+
 def test_hulls_of_pyvista():
     pyvista = pytest.importorskip("pyvista", reason="PyVista is not installed")
     if not hasattr(pyvista.PolyData, "convex_hull"):
@@ -162,6 +173,7 @@ def test_hulls_of_pyvista():
     sphere, cube = pyvista.Sphere(), pyvista.Cube()
     blocks = pyvista.MultiBlock([sphere, None, cube])
     far = pyvista.PolyData(POINTS + [5e5, 5e6, 0])
+    far.field_data["survey"] = [7]
     theirs = [part.convex_hull() for part in (sphere, cube, blocks)]
     plane = pyvista.Plane()
     flat = [plane.convex_hull(dimensionality=kind).n_cells for kind in (2, 3, "auto")]
@@ -175,6 +187,7 @@ def test_hulls_of_pyvista():
             outward = np.einsum("ij,ij->i", hull.face_normals, hull.cell_centers().points)
             assert (outward > 0).all()
         assert set(map(tuple, far.convex_hull().points)) <= set(map(tuple, far.points))
+        assert far.convex_hull().field_data["survey"] == [7]
         assert flat == [plane.convex_hull(dimensionality=kind).n_cells for kind in (2, 3, "auto")]
     assert pyvista.DataObjectFilters.convex_hull is there
 
@@ -183,7 +196,9 @@ def test_tetrahedra_of_pyvista():
     pyvista = pytest.importorskip("pyvista", reason="PyVista is not installed")
     there = pyvista.DataSetFilters.delaunay_3d
     cloud = pyvista.PolyData(POINTS.astype(np.float32))
+    cloud["age"] = np.ones(200)
     cloud["height"] = np.arange(200)
+    cloud.set_active_scalars("height")
     shape = cloud.delaunay_3d(alpha=0.2)
     with cullhull.patch("pyvista"):
         grid = cloud.delaunay_3d()
@@ -191,6 +206,9 @@ def test_tetrahedra_of_pyvista():
         assert (grid.compute_cell_sizes()["Volume"] > 0).all()
         assert np.isclose(grid.volume, cullhull.convex_hull(cloud).volume)
         assert grid.points.dtype == np.float32 and (grid["height"] == np.arange(200)).all()
+        assert grid.active_scalars_name == shape.active_scalars_name == "height"
+        ball = pyvista.Sphere().delaunay_3d()
+        assert ball.active_scalars_name is None and ball.active_normals is not None
         assert cloud.delaunay_3d(alpha=0.2).n_cells == shape.n_cells, "VTK's"
         assert pyvista.Plane().delaunay_3d().n_cells == 0
     assert pyvista.DataSetFilters.delaunay_3d is there
