@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numeric>
 #include <thread>
 #include <unordered_map>
@@ -29,16 +30,27 @@ double determinant(std::vector<double>& rows, unsigned d) {
   return std::abs(product);
 }
 
-/// Calls body(begin, end) for parts of [0, count), on all cores where they are many.
+/// Calls body(begin, end) for parts of [0, count), on all cores where they are many. Throws what it
+/// throws, once all have ended.
 template <class Body>
 void each_part(std::size_t count, const Body& body) {
   const std::size_t cores = std::clamp(std::thread::hardware_concurrency(), 1U, 64U);
   const std::size_t parts = count < (std::size_t{1} << 15) ? 1 : cores;
-  std::vector<std::jthread> others;
-  for (std::size_t k = 1; k < parts; ++k)
-    others.emplace_back(
-        [&body, begin = count * k / parts, end = count * (k + 1) / parts] { body(begin, end); });
-  body(0, count / parts);
+  std::vector<std::exception_ptr> faults(parts);
+  const auto part = [&](std::size_t k) noexcept {
+    try {
+      body(count * k / parts, count * (k + 1) / parts);
+    } catch (...) {
+      faults[k] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t k = 1; k < parts; ++k) others.emplace_back(part, k);
+    part(0);
+  }
+  for (const std::exception_ptr& fault : faults)
+    if (fault) std::rethrow_exception(fault);
 }
 
 bool has(const setT* set, const void* item) {
