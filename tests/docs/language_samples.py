@@ -17,7 +17,7 @@ FLAGS = [f"-I{HEADERS}", f"-L{LIBRARY}"]
 # What must be found, the name of the file, and the commands: the last one prints.
 WAYS = {
     "c": (["gcc"], "a.c", [["gcc", "-std=c11", *FLAGS, "a.c", "-lcullhull_c", "-o", "a"], ["./a"]]),
-    "ctypes": (["python3"], "a.py", [["python3", "a.py"]]),
+    "py": (["python3"], "a.py", [["python3", "a.py"]]),
     "rust": (["rustc"], "a.rs", [["rustc", "-L", LIBRARY, "a.rs"], ["./a"]]),
     "go": (["go"], "a.go", [["go", "run", "a.go"]]),
     "csharp": (["mcs", "mono"], "a.cs", [["mcs", "a.cs"], ["mono", "a.exe"]]),
@@ -70,7 +70,7 @@ def main():
             wrong += 1
             print(f"{block.page}:{block.line}: {block.language}: {fault}")
     print("ran:", *ran)
-    sys.exit(1 if wrong or "c" not in ran or "ctypes" not in ran else 0)
+    sys.exit(1 if wrong or "c" not in ran or "py" not in ran else 0)
 
 
 main()
