@@ -29,7 +29,8 @@ is() { "${@:2}" >/dev/null || { echo "WRONG $1" && good=false; }; }
 mach_o() {
   local headers
   headers=$(llvm-objdump --macho --private-headers "$1")
-  is "$1: processor" grep -qE "^MH_MAGIC_64 +${2/#aarch64/ARM64} " <<<"${headers^^}"
+  local kind=${2/#aarch64/arm64}
+  is "$1: processor" grep -qE "^MH_MAGIC_64 +${kind^^} " <<<"${headers^^}"
   is "$1: oldest system" grep -qx " *minos $oldest_macos" <<<"$headers"
   is "$1: libraries" test "$(llvm-objdump --macho --dylibs-used "$1" | grep -v ':$\|/libcullhull\.' |
     sed 's/ (.*//; s/^\s*//')" = /usr/lib/libSystem.B.dylib

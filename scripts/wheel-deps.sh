@@ -80,7 +80,11 @@ printf 'all install install-am install-data install-exec check clean:\n' >gmp/do
 options=(--enable-shared --disable-static)
 [[ -z $tools ]] ||
   options=(--disable-shared --with-pic "--host=$host" CFLAGS="-O2 -w" CC_FOR_BUILD=cc)
-case $host in x86_64*) options+=(--enable-fat) ;; esac
+# zig's linker refuses the short branches of GMP's own assembler.
+case ${tools:+cross-}$host in
+  cross-x86_64*) options+=(--disable-assembly) ;;
+  x86_64*) options+=(--enable-fat) ;;
+esac
 (cd gmp && ./configure --prefix="$prefix" --libdir="$prefix/lib" "${options[@]}" >/dev/null &&
   make -j "$jobs" >/dev/null && make install >/dev/null)
 cp gmp/gmpxx.h "$prefix/include/" # what is not inline in it, input and output, we do not use
