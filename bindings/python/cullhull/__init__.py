@@ -9,8 +9,8 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names (`patch` puts them there), `TolerantConvexHull`, `TolerantDelaunay` and `TolerantVoronoi` for
-programs that assume tolerances. docs/python.md in the source tree has the rest.
+classes of the same names (`patch` puts them there), `TolerantConvexHull`, `TolerantDelaunay` and
+`TolerantVoronoi` for programs that assume tolerances. docs/python.md in the source tree has the rest.
 """
 
 from __future__ import annotations

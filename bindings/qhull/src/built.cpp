@@ -12,19 +12,21 @@
 namespace cullhull::qhull {
 namespace {
 
-/// |det| of rows of d numbers, by elimination with row pivots; destroys them.
-double determinant(std::vector<double>& rows, unsigned d) {
+/// Makes the first d columns of d rows of `width` numbers diagonal, by row pivots, as far as no
+/// pivot is zero. Returns the magnitude of their determinant.
+double eliminate(std::vector<double>& rows, unsigned d, unsigned width) {
   double product = 1;
   for (unsigned k = 0; k < d; ++k) {
     unsigned pivot = k;
     for (unsigned i = k + 1; i < d; ++i)
-      if (std::abs(rows[i * d + k]) > std::abs(rows[pivot * d + k])) pivot = i;
-    if (rows[pivot * d + k] == 0) return 0;
-    std::swap_ranges(&rows[k * d], &rows[k * d] + d, &rows[pivot * d]);
-    product *= rows[k * d + k];
-    for (unsigned i = k + 1; i < d; ++i) {
-      const double f = rows[i * d + k] / rows[k * d + k];
-      for (unsigned j = k; j < d; ++j) rows[i * d + j] -= f * rows[k * d + j];
+      if (std::abs(rows[i * width + k]) > std::abs(rows[pivot * width + k])) pivot = i;
+    double* const row = &rows[k * width];
+    if (pivot != k) std::swap_ranges(row, row + width, &rows[pivot * width]);
+    product *= row[k];
+    for (unsigned i = 0; i < d; ++i) {
+      if (i == k || row[k] == 0) continue;
+      const double f = rows[i * width + k] / row[k];
+      for (unsigned j = k; j < width; ++j) rows[i * width + j] -= f * row[j];
     }
   }
   return std::abs(product);
@@ -253,18 +255,7 @@ double Built::lifted_plane(std::span<const std::uint32_t> cell, double* normal) 
       rows[i * width + d] += x * x;
     }
   }
-  for (unsigned k = 0; k < d; ++k) {
-    unsigned pivot = k;
-    for (unsigned i = k + 1; i < d; ++i)
-      if (std::abs(rows[i * width + k]) > std::abs(rows[pivot * width + k])) pivot = i;
-    if (pivot != k)
-      std::swap_ranges(&rows[k * width], &rows[k * width] + width, &rows[pivot * width]);
-    for (unsigned i = 0; i < d; ++i) {
-      if (i == k || rows[k * width + k] == 0) continue;
-      const double f = rows[i * width + k] / rows[k * width + k];
-      for (unsigned j = k; j <= d; ++j) rows[i * width + j] -= f * rows[k * width + j];
-    }
-  }
+  eliminate(rows, d, width);
   double square = 1, offset = 0;
   for (unsigned j = 0; j < d; ++j) {
     const double pivot = rows[j * width + j];
@@ -477,7 +468,7 @@ double Built::simplex_area(const Ids& ids) const {
   for (unsigned a = 0; a < k; ++a)
     for (unsigned b = 0; b < k; ++b)
       gram[a * k + b] = std::inner_product(&edges[a * d], &edges[a * d] + d, &edges[b * d], 0.0);
-  return std::sqrt(determinant(gram, k)) / factorial(k);
+  return std::sqrt(eliminate(gram, k, k)) / factorial(k);
 }
 
 double Built::area(const facetT* facet) const {
