@@ -30,7 +30,7 @@ endif()
 # In a folder of its own, which users name: Qhull's stays what it is. Not in packages, which would
 # promise others a whole Qhull.
 if(TARGET cullhull_qhull AND NOT CULLHULL_SHARED)
-  install(TARGETS cullhull_qhull LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull
+  install(TARGETS cullhull_qhull cullhull_qhull_one LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull
     COMPONENT runtime)
 endif()
 install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_package}

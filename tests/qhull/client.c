@@ -93,7 +93,8 @@ int main(int argc, char** argv) {
   qhT *qh = &one, *other = &another;
   facetT* facet;
   char** lines;
-  int d, n, grid, i, code, count = 0, kept, kept_bytes;
+  int d, n, grid, i, code, count = 0, kept, kept_bytes, of[6];
+  unsigned largest = 0;
   unsigned long state;
   double *points, few[8] = {0, 0, 1, 0, 0, 1, 1, 1};
   if (argc < 6) return 2;
@@ -133,6 +134,10 @@ int main(int argc, char** argv) {
       printf("vertices %d area %.9g volume %.9g\n", qh->num_vertices, qh->totarea, qh->totvol);
     }
     ridges(qh);
+    qh_countfacets(qh, qh->facet_list, NULL, !qh_ALL, of, of + 1, of + 2, of + 3, of + 4, of + 5);
+    printf("facets %d, %d of them simplices", of[0], of[1]);
+    FORALLfacets largest = facet->visitid > largest ? facet->visitid : largest;
+    printf(", the last is %u, neighbours %d, ridges %d\n", largest, of[2], of[3]);
   }
   printf("another %d\n", other->num_facets);
   qh_freeqhull(qh, !qh_ALL);

@@ -1,10 +1,12 @@
 // The functions of libqhull_r that programs import, over our hulls and triangulations.
 #include <algorithm>
 #include <cmath>
+#include <csetjmp>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 #include <sstream>
 
 #include "built.hpp"
@@ -16,8 +18,9 @@ namespace {
 
 Built* built(const qhT* qh) { return static_cast<Built*>(qh->cpp_other); }
 
-int refuse(FILE* to, int code, const char* line) {
-  if (to != nullptr) std::fprintf(to, "cullhull in Qhull's place: %s\n", line);
+int refuse(qhT* qh, int code, const char* line) {
+  // libqhullcpp has a qh_fprintf of its own, which keeps the line for an exception.
+  qh_fprintf(qh, qh->ferr, MSG_ERROR, "cullhull in Qhull's place: %s\n", line);
   return code;
 }
 
@@ -35,14 +38,79 @@ int exit_code(ErrorCode code) {
   }
 }
 
+void clear(qhT* qh, FILE* errfile) {
+  std::memset(static_cast<void*>(qh), 0, offsetof(qhT, qhmem));
+  qh->NOerrexit = True;
+  qh->ferr = errfile;
+}
+
+void take_command(qhT* qh, const char* text) {
+  const Command command = parse(text);
+  if (std::strlen(text) >= sizeof qh->qhull_command)
+    throw Error(ErrorCode::invalid_argument, "a command of ", std::strlen(text), " characters");
+  std::strcpy(qh->qhull_command, text);  // NOLINT: its length was looked at
+  qh->DELAUNAY = qh->PROJECTdelaunay = command.delaunay;
+  qh->VORONOI = command.voronoi;
+  qh->UPPERdelaunay = command.furthest_site;
+  qh->TRIangulate = qh->hasTriangulation = command.triangulated;
+}
+
+void take_points(qhT* qh, coordT* points, int count, int dimension, boolT is_malloc) {
+  qh->input_points = qh->first_point = points;
+  qh->input_malloc = is_malloc;
+  if (dimension < 2 || count < 0 || points == nullptr)
+    throw Error(ErrorCode::invalid_argument, "points of dimension ", dimension);
+  if (count <= dimension)
+    throw Error(ErrorCode::invalid_argument, count, " points in ", dimension, " dimensions");
+  qh->input_dim = dimension;
+  qh->hull_dim = dimension + (qh->DELAUNAY ? 1 : 0);
+  qh->num_points = count;
+  qh->normal_size = static_cast<int>(sizeof(coordT)) * qh->hull_dim;
+  qh->center_size = static_cast<int>(sizeof(coordT)) * dimension;
+}
+
+void build(qhT* qh) {
+  const Command command = parse(qh->qhull_command);
+  qh->CENTERtype = qh_ASnone;
+  qh->visit_id = qh->vertex_visit = 1;  // of no facet and no vertex yet
+  qh->ridge_id = 1;
+  qh->cpp_other = new Built(qh, command, static_cast<unsigned>(qh->input_dim),
+                            static_cast<std::uint64_t>(qh->num_points), qh->first_point);
+  if (command.voronoi) {
+    built(qh)->vertex_neighbours(qh);
+    built(qh)->centres(qh);
+  }
+  if (command.area) qh_getarea(qh, qh->facet_list);
+  qh->QHULLfinished = True;
+}
+
+/// Does `step`; a fault is told in a line and returned as Qhull's code.
+template <class Step>
+int attempt(qhT* qh, const Step& step) {
+  try {
+    step();
+    return qh_ERRnone;
+  } catch (const Error& e) {
+    return refuse(qh, exit_code(e.code()), e.what());
+  } catch (const std::bad_alloc&) {
+    return refuse(qh, qh_ERRmem, "out of memory");
+  } catch (const std::exception& e) {
+    return refuse(qh, qh_ERRqhull, e.what());
+  }
+}
+
+void fault_ends(qhT* qh, int code) {
+  if (code != qh_ERRnone) qh_errexit(qh, code, nullptr, nullptr);
+}
+
 }  // namespace
 
 namespace cullhull::qhull {
 
 Command parse(const char* text) {
   // Exact arithmetic needs none of these, and no facet is wide, narrow or merged by tolerance.
-  static const char* const needless[] = {"Pp", "Qx",  "Qbb", "Qz", "Qc", "Qi",  "Qs", "Q0",
-                                         "Q3", "Q11", "Q12", "Q8", "Qa", "C-0", "Tc", "Tv"};
+  static const char* const needless[] = {"Pp",  "Qx",  "Qbb", "Qz", "Qc",  "Qi", "Qs", "Q0", "Q3",
+                                         "Q11", "Q12", "Q8",  "Qa", "C-0", "Tc", "Tv", "Tcv"};
   Command command;
   std::istringstream words(text == nullptr ? "" : text);
   std::string word;
@@ -78,8 +146,7 @@ CULLHULL_QHULL extern const char qh_version[] = "cullhull " CULLHULL_VERSION " i
 
 CULLHULL_QHULL void qh_zero(qhT* qh, FILE* errfile) {
   std::memset(static_cast<void*>(qh), 0, sizeof *qh);
-  qh->NOerrexit = True;
-  qh->ferr = errfile;
+  clear(qh, errfile);
 }
 
 CULLHULL_QHULL void qh_lib_check(int type, int qh_size, int vertex_size, int ridge_size,
@@ -96,49 +163,40 @@ CULLHULL_QHULL void qh_lib_check(int type, int qh_size, int vertex_size, int rid
 
 CULLHULL_QHULL int qh_new_qhull(qhT* qh, int dim, int numpoints, coordT* points, boolT ismalloc,
                                 char* qhull_cmd, FILE*, FILE* errfile) {
-  FILE* const err = errfile == nullptr ? stderr : errfile;
   // As in Qhull, the caller may have cleared nothing, and ends an earlier hull himself.
-  std::memset(static_cast<void*>(qh), 0, offsetof(qhT, qhmem));
-  qh->NOerrexit = True;
-  qh->ferr = err;
-  qh->input_points = points;
+  clear(qh, errfile == nullptr ? stderr : errfile);
   qh->input_malloc = ismalloc;  // ended with the hull, also where there is none
-  try {
-    const Command command = parse(qhull_cmd);
-    if (dim < 2 || numpoints < 0 || points == nullptr)
-      throw Error(ErrorCode::invalid_argument, "points of dimension ", dim);
-    qh->DELAUNAY = qh->PROJECTdelaunay = command.delaunay;
-    qh->VORONOI = command.voronoi;
-    qh->UPPERdelaunay = command.furthest_site;
-    qh->TRIangulate = qh->hasTriangulation = command.triangulated;
-    qh->input_dim = dim;
-    qh->hull_dim = dim + (command.delaunay ? 1 : 0);
-    qh->first_point = points;
-    qh->num_points = numpoints;
-    qh->normal_size = static_cast<int>(sizeof(coordT)) * qh->hull_dim;
-    qh->center_size = static_cast<int>(sizeof(coordT)) * dim;
-    qh->VERTEXneighbors = False;
-    qh->CENTERtype = qh_ASnone;
-    qh->visit_id = qh->vertex_visit = 1;  // of no facet and no vertex yet
-    qh->ridge_id = 1;
-    std::strncpy(qh->qhull_command, qhull_cmd == nullptr ? "" : qhull_cmd,
-                 sizeof qh->qhull_command - 1);
-    qh->cpp_other = new Built(qh, command, static_cast<unsigned>(dim),
-                              static_cast<std::uint64_t>(numpoints), points);
-    if (command.voronoi) {
-      built(qh)->vertex_neighbours(qh);
-      built(qh)->centres(qh);
-    }
-    if (command.area) qh_getarea(qh, qh->facet_list);
-    qh->QHULLfinished = True;
-    return qh_ERRnone;
-  } catch (const Error& e) {
-    return refuse(err, exit_code(e.code()), e.what());
-  } catch (const std::bad_alloc&) {
-    return refuse(err, qh_ERRmem, "out of memory");
-  } catch (const std::exception& e) {
-    return refuse(err, qh_ERRqhull, e.what());
-  }
+  qh->input_points = points;
+  return attempt(qh, [&] {
+    take_command(qh, qhull_cmd);
+    take_points(qh, points, numpoints, dim, ismalloc);
+    build(qh);
+  });
+}
+
+// The same step by step: MuJoCo's and libqhullcpp's way. A fault ends in the caller's setjmp.
+CULLHULL_QHULL void qh_initqhull_start2(qhT* qh, FILE* infile, FILE* outfile, FILE* errfile) {
+  clear(qh, errfile == nullptr ? stderr : errfile);
+  qh->fin = infile;
+  qh->fout = outfile;
+}
+CULLHULL_QHULL void qh_init_A(qhT* qh, FILE* infile, FILE* outfile, FILE* errfile, int, char**) {
+  qh_initqhull_start2(qh, infile, outfile, errfile);
+}
+CULLHULL_QHULL void qh_initflags(qhT* qh, char* command) {
+  fault_ends(qh, attempt(qh, [&] { take_command(qh, command); }));
+}
+CULLHULL_QHULL void qh_init_B(qhT* qh, coordT* points, int numpoints, int dim, boolT ismalloc) {
+  fault_ends(qh, attempt(qh, [&] { take_points(qh, points, numpoints, dim, ismalloc); }));
+}
+CULLHULL_QHULL void qh_qhull(qhT* qh) {
+  fault_ends(qh, attempt(qh, [&] { build(qh); }));
+}
+
+CULLHULL_QHULL void qh_errexit(qhT* qh, int exitcode, facetT*, ridgeT*) {
+  if (qh->NOerrexit) std::exit(exitcode);
+  qh->NOerrexit = True;
+  std::longjmp(qh->errexit, exitcode == 0 ? qh_ERRqhull : exitcode);
 }
 
 CULLHULL_QHULL void qh_freeqhull(qhT* qh, boolT) {
@@ -172,15 +230,57 @@ CULLHULL_QHULL void qh_setvoronoi_all(qhT* qh) {
   built(qh)->vertex_neighbours(qh);
 }
 
-// Nothing is left to do for these.
+// Nothing is left to do for these: every hull is exact, and memory ends with it.
 CULLHULL_QHULL void qh_findgood_all(qhT*, facetT*) {}
 CULLHULL_QHULL void qh_prepare_output(qhT*) {}
+CULLHULL_QHULL void qh_check_output(qhT*) {}
+CULLHULL_QHULL void qh_check_points(qhT*) {}
+CULLHULL_QHULL void qh_checkflags(qhT*, char*, char*) {}
+CULLHULL_QHULL void qh_initqhull_outputflags(qhT*) {}
+CULLHULL_QHULL void qh_initstatistics(qhT*) {}
 CULLHULL_QHULL void qh_meminit(qhT*, FILE*) {}
+CULLHULL_QHULL void qh_memcheck(qhT*) {}
+CULLHULL_QHULL void* qh_malloc(size_t size) { return std::malloc(size); }
+CULLHULL_QHULL void qh_exit(int exitcode) { std::exit(exitcode); }
+
+// libqhullcpp is linked to these, too; what needs them ends with a line: output formats, rbox,
+// halfspaces, centres and planes of merged facets, and walks around a facet, which get no qhT.
+static void refuse_call(qhT* qh) {
+  qh_errexit(qh, refuse(qh, qh_ERRqhull, "this function of Qhull is not here"), nullptr, nullptr);
+}
+static void refuse_walk() {
+  std::fputs("cullhull in Qhull's place: this function of Qhull is not here\n", stderr);
+  std::exit(qh_ERRqhull);
+}
+#define CULLHULL_REFUSED(name, refuse)                        \
+  CULLHULL_QHULL void refused_##name(qhT* qh) __asm__(#name); \
+  void refused_##name([[maybe_unused]] qhT* qh) { refuse; }   \
+  static_assert(true)
+CULLHULL_REFUSED(qh_clear_outputflags, refuse_call(qh));
+CULLHULL_REFUSED(qh_errexit_rbox, refuse_call(qh));
+CULLHULL_REFUSED(qh_facetcenter, refuse_call(qh));
+CULLHULL_REFUSED(qh_getcentrum, refuse_call(qh));
+CULLHULL_REFUSED(qh_markvoronoi, refuse_call(qh));
+CULLHULL_REFUSED(qh_outerinner, refuse_call(qh));
+CULLHULL_REFUSED(qh_produce_output2, refuse_call(qh));
+CULLHULL_REFUSED(qh_rboxpoints, refuse_call(qh));
+CULLHULL_REFUSED(qh_setfeasible, refuse_call(qh));
+CULLHULL_REFUSED(qh_sethalfspace_all, refuse_call(qh));
+CULLHULL_REFUSED(qh_nextfacet2d, refuse_walk());
+CULLHULL_REFUSED(qh_nextridge3d, refuse_walk());
 
 CULLHULL_QHULL int qh_setsize(qhT*, setT* set) {
   if (set == nullptr) return 0;
   const int size = set->e[set->maxsize].i;
   return size == 0 ? set->maxsize : size - 1;
+}
+
+CULLHULL_QHULL void** qh_setendpointer(setT* set) { return &set->e[qh_setsize(nullptr, set)].p; }
+
+CULLHULL_QHULL int qh_setin(setT* set, void* item) {
+  for (int i = 0, n = qh_setsize(nullptr, set); i < n; ++i)
+    if (set->e[i].p == item) return 1;
+  return 0;
 }
 
 CULLHULL_QHULL setT* qh_settemp(qhT* qh, int size) { return built(qh)->temporary(size); }
@@ -206,6 +306,33 @@ CULLHULL_QHULL void qh_setappend(qhT* qh, setT** set, void* item) {
   } else {
     (*set)->e[(*set)->maxsize].p = nullptr;
   }
+}
+
+CULLHULL_QHULL int qh_setunique(qhT* qh, setT** set, void* item) {
+  if (qh_setin(*set, item)) return 0;
+  qh_setappend(qh, set, item);
+  return 1;
+}
+
+/// Calls body(facet) for the facets of a list and of a set, those that are good or all.
+static void each_facet(qhT* qh, facetT* list, setT* facets, bool all, const auto& body) {
+  for (facetT* f = list; f != nullptr && f->next != nullptr; f = f->next)
+    if (all || f->good) body(f);
+  for (int i = 0; i < qh_setsize(qh, facets); ++i)
+    if (auto* const f = static_cast<facetT*>(facets->e[i].p); all || f->good) body(f);
+}
+
+CULLHULL_QHULL setT* qh_facetvertices(qhT* qh, facetT* facetlist, setT* facets, boolT allfacets) {
+  setT* vertices = qh_settemp(qh, 4);
+  ++qh->vertex_visit;
+  each_facet(qh, facetlist, facets, allfacets, [&](const facetT* f) {
+    for (int i = 0; i < qh_setsize(qh, f->vertices); ++i) {
+      auto* const v = static_cast<vertexT*>(f->vertices->e[i].p);
+      if (v->visitid != qh->vertex_visit) qh_setappend(qh, &vertices, v);
+      v->visitid = qh->vertex_visit;
+    }
+  });
+  return vertices;
 }
 
 CULLHULL_QHULL setT* qh_facet3vertex(qhT* qh, facetT* facet) {
@@ -242,10 +369,38 @@ CULLHULL_QHULL coordT qh_pointdist(pointT* point1, pointT* point2, int dim) {
   return dim > 0 ? std::sqrt(sum) : sum;
 }
 
+CULLHULL_QHULL void qh_countfacets(qhT* qh, facetT* facetlist, setT* facets, boolT printall,
+                                   int* count, int* simplicial, int* neighbours, int* ridges,
+                                   int* coplanar, int* of_polygons) {
+  *count = *simplicial = *neighbours = *ridges = *coplanar = *of_polygons = 0;
+  each_facet(qh, facetlist, facets, true, [](facetT* f) { f->visitid = 0; });
+  each_facet(qh, facetlist, facets, printall, [&](facetT* f) {
+    f->visitid = static_cast<unsigned>(++*count);  // clients number their triangles by it
+    *neighbours += qh_setsize(qh, f->neighbors);
+    if (f->simplicial) {
+      ++*simplicial;
+      *of_polygons += f->tricoplanar;
+    } else {
+      *ridges += qh_setsize(qh, f->ridges);
+    }
+  });
+}
+
+CULLHULL_QHULL realT qh_getangle(qhT* qh, pointT* vect1, pointT* vect2) {
+  return std::inner_product(vect1, vect1 + qh->hull_dim, vect2, 0.0);
+}
+
 CULLHULL_QHULL void qh_fprintf(qhT*, FILE* fp, int, const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  if (fp != nullptr) std::vfprintf(fp, format, arguments);
+  if (fp != nullptr) std::vfprintf(fp == qh_FILEstderr ? stderr : fp, format, arguments);
+  va_end(arguments);
+}
+
+CULLHULL_QHULL void qh_fprintf_stderr(int, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  std::vfprintf(stderr, format, arguments);
   va_end(arguments);
 }
 
