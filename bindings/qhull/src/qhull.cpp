@@ -1,6 +1,6 @@
 // libqhull, the library with one hull in a global: its functions are those of libqhull_r on a hull
 // of its own, whose fields go to and fro. MeshLab, GetFEM and Tulip are linked to it. The functions
-// of qhull_r.cpp have other names here (CMakeLists.txt).
+// of libqhull_r have other names here (CMakeLists.txt).
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
