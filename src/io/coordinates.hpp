@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
@@ -25,6 +27,15 @@ class Coordinates {
         rows_(state.points()),
         ids_(&state.ids()) {}
 
+  /// Throws unless the hull is one of these points: a stream's has ids of its own.
+  void require_hull(const Hull& hull) const {
+    const auto is_here = [&](std::uint64_t id) {
+      return ids_ == nullptr ? id < count : std::binary_search(ids_->begin(), ids_->end(), id);
+    };
+    if (count != hull.point_count || dimension != hull.dimension ||
+        !std::all_of(hull.vertices.begin(), hull.vertices.end(), is_here))
+      throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
+  }
   /// Whether all points are available, not only the extreme ones.
   bool complete() const noexcept { return ids_ == nullptr; }
 

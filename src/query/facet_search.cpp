@@ -53,6 +53,9 @@ QueryPoints make_query_points(const PointView* points, const Hull& hull, const C
   q.k = static_cast<unsigned>(hull.affine_dimension);
   q.ids = hull.vertices;
   std::sort(q.ids.begin(), q.ids.end());
+  if (points != nullptr && q.ids.back() >= points->count)  // of a stream's hull
+    throw Error(ErrorCode::invalid_argument, "vertex ", q.ids.back(), " is not one of the ",
+                points->count, " points");
   q.plain = q.ids.back() + 1 == q.ids.size();
   q.corners.resize(hull.simplices.size());
   for (std::size_t i = 0; i < q.corners.size(); ++i) {

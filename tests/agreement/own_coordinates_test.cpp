@@ -7,6 +7,7 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/query.hpp"
+#include "cullhull/simplify.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
 #include "io_fixtures.hpp"
@@ -111,6 +112,21 @@ TEST(OwnCoordinates, FilesHaveTheSameBytes) {
     EXPECT_EQ(hull_from_json(a, nullptr, carrying()).vertex_coordinates, hull.vertex_coordinates);
     EXPECT_TRUE(hull_from_json(a).vertex_coordinates.empty());
   }
+}
+
+// A hull of a stream has as many points as it has seen, and their own ids.
+TEST(OwnCoordinates, PointsWithOtherIdsAreRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a");
+  const PointSet s = random_set("sphere", 200, 3, 1);
+  const Hull hull = HullState(view_of(s), 1000, carrying()).hull();
+  EXPECT_THROW(HullQuery(view_of(s), hull), Error);
+  EXPECT_THROW(simplify(view_of(s), hull, 0.1), Error);
+  EXPECT_FALSE(certify(view_of(s), hull).valid);
+  for (const char* format : {"ply", "json", "p"})
+    EXPECT_THROW(write_hull(path, view_of(s), hull, format), Error) << format;
+  for (const char* words : {"p", "FV", "Fa"})
+    EXPECT_THROW(hull_to_qhull_text(view_of(s), hull, words), Error) << words;
 }
 
 }  // namespace cullhull::testing_support::own_coordinates_test

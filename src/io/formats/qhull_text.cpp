@@ -451,6 +451,7 @@ std::string qhull_text(const internal::Coordinates& points, const Hull& hull,
                        std::string_view what) {
   using namespace internal;
   check_qhull_format(what);
+  points.require_hull(hull);
   if (!points.complete() && lists_all_points(what))
     throw Error(ErrorCode::invalid_argument, "--format ", what,
                 " lists every point, of which a stream keeps the extreme ones alone");

@@ -41,8 +41,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
                    const std::string& format, Faces faces, const MapExtras& extras) {
   using namespace internal;
   const Coordinates points(of);
-  if (points.count != hull.point_count || points.dimension != hull.dimension)
-    throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
+  points.require_hull(hull);
   const std::string f = output_format(path, format, "json");
   if (is_mesh(f)) {
     write_mesh(path, f, make_mesh(points, hull, f, faces));
