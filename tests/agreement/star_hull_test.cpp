@@ -245,13 +245,14 @@ TEST(StarHull, MovingPointsKeepTheSurface) {
   }
 }
 
-// Errors are bounded by the box of the frame before, unless this one is more than twice as long or
-// lies elsewhere.
+// Errors are bounded by the box of the frame before, unless this one is more than twice as long.
+// Around a centre outside of it no surface is star-shaped, however far the points have moved.
 TEST(StarHull, AFrameFarFromTheLastBeginsAnew) {
   const std::vector<double> ball = generate("ball", 2000, 3, 4);
   StarHull<EmulatedExecutor, RowsInPlace<3, double>> hull(EmulatedExecutor(5, 32));
-  const std::tuple<double, double, bool> frames[] = {{1, 0, false}, {1.5, 0, true}, {6, 0, false},
-                                                     {7, 1, true},  {7, 20, false}, {7, 21, true}};
+  const std::tuple<double, double, bool> frames[] = {
+      {1, 0, false},  {1.5, 0, true}, {6, 0, false},   {7, 1, true},
+      {7, 20, false}, {7, 21, true},  {7, 1e6, false}, {7, -1e9, false}};
   for (const auto& [factor, shift, moved] : frames) {
     std::vector<double> points = ball;
     for (double& x : points) x = factor * x + shift;

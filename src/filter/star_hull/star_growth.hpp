@@ -303,8 +303,8 @@ class StarGrowth {
 
   // Rows are placed before it is known whether the surface serves: a device need not wait for the
   // host. Centre and scale are those of the last box, the scale half as large: errors are bounded
-  // for extents up to 1 and a centre in the box (docs/exactness.md, P1 and H7), and no axis is
-  // often twice as long as a frame ago.
+  // for extents up to 1 (docs/exactness.md, P1), and no axis is often twice as long as a frame ago.
+  // A surface that is star-shaped around the centre has it in the box (H7).
 
   /// Begins with the surface of the last frame, if there is one that is still star-shaped. `box`:
   /// of the rows, when it is found.
@@ -322,11 +322,7 @@ class StarGrowth {
     place(from, true);
     box_ = box.get();
     if (!check.get().good() || !axis_scales(box_, now)) return false;
-    for (unsigned k = 0; k < 3; ++k)
-      if (scale[k] > now[k] || centre_[k] < scale[k] * box_.low[k] ||
-          centre_[k] > scale[k] * box_.high[k])
-        return false;
-    return true;
+    return scale[0] <= now[0] && scale[1] <= now[1] && scale[2] <= now[2];
   }
 
   template <class From>
