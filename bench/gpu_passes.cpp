@@ -496,7 +496,7 @@ class Passes {
     const auto map = map_of(rows, 3);
     const Options options;
     const internal::Run run(options);
-    const double pass = wall([&] { (void)survivors_of_host_points(map->table(), here, run); });
+    const double pass = wall([&] { (void)survivors_there(map->table(), here, run); });
     Hull device, host;
     const Times d = timed([&] { device = convex_hull(here, on(Backend::cuda)); });
     const Times h = timed([&] { host = convex_hull(here, on(Backend::cpu)); });

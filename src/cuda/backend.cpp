@@ -22,11 +22,6 @@ bool cuda_in_sight() noexcept {
 
 std::uint32_t most_map_nodes(int device) { return most_gauge_nodes(device_or_current(device)); }
 
-Array<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points, const Run& run) {
-  const DeviceScope scope(device_or_current(run.options.device).ordinal);
-  return survivors_of_host_points(map.table(), points, run);
-}
-
 }  // namespace cullhull::internal
 
 namespace cullhull {

@@ -47,7 +47,9 @@ class OutOfMemory : public Error {
 std::uint32_t most_map_nodes(int device);
 
 /// The ids, ascending, of the points in the host's memory that the map does not discard. Filters on
-/// the device that the options name. Throws OutOfMemory, Failure, Error{cancelled}.
-Array<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points, const Run& run);
+/// the device that the options name: all points at once or, where it has not the memory, in pieces.
+/// Throws OutOfMemory, Failure, Error{cancelled}.
+Array<std::uint64_t> survivors_there(const GaugeTable& map, const PointView& points,
+                                     const Run& run);
 
 }  // namespace cullhull::internal

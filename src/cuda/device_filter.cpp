@@ -360,10 +360,7 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run,
     nothing.survivors.reason = "no points";
     return nothing;
   }
-  // Uses the device that holds the points, which may be the only usable one.
-  const int ordinal = device_of(points);
-  (void)device(ordinal);
-  const DeviceScope scope(ordinal);
+  const DeviceScope scope(device_of(points));  // it may be the only usable one
   return DeviceFilter(points, run, request).run();
 }
 

@@ -26,14 +26,14 @@ int device_of_memory(const void* memory, const char* what) {
 }
 
 int device_of(const DevicePointView& points) {
-  const int device = device_of_memory(points.data);
+  const int ordinal = device_of_memory(points.data);
   const auto size = static_cast<std::ptrdiff_t>(scalar_size(points.scalar));
   if (reinterpret_cast<std::uintptr_t>(points.data) % static_cast<std::uintptr_t>(size) != 0 ||
       points.point_stride % size != 0 || points.coordinate_stride % size != 0)
     throw Error(ErrorCode::invalid_argument,
                 "points and strides on a device must be aligned to the scalar's size");
   refuse_capture(cuda_stream_of(points));
-  return device;
+  return device(ordinal).ordinal;
 }
 
 Placement place_of_device_points(const DevicePointView& points, const Run& run) {

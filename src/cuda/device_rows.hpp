@@ -18,7 +18,7 @@ struct Run;
 int device_of_memory(const void* memory, const char* what = "the points are");
 
 /// The number of the device that holds the points. Throws Error{invalid_argument} for a view that
-/// the device cannot read.
+/// the device cannot read, and Failure with the reason if the device cannot be used.
 int device_of(const DevicePointView& points);
 
 /// Whether the planner would filter these points on the device or on the host.

@@ -34,9 +34,7 @@ class DeviceFrame final : public FramePoints {
       (void)this_device();
       return;
     }
-    const int ordinal = device_of(points);
-    (void)device(ordinal);
-    scope_.emplace(ordinal);
+    scope_.emplace(device_of(points));
     if (run.options.cull == CullMethod::pseudo_hull) {
       copy("the pseudo-hull tracks on the CPU");
     } else if (run.options.backend == Backend::cpu) {
@@ -127,18 +125,9 @@ class DeviceFrame final : public FramePoints {
     result.all = false;
     result.backend = Backend::cuda;
     result.reason += "; " + reason_;
-    try {
-      const DeviceIds left = survivors_of_device_points(map.table(), points_);
-      require_room_for_survivors(left.count, dimension, run_);
-      result.ids.resize(left.count);
-      download(result.ids.data(), left.ids.data(), left.count, cuda_stream_of(points_));
-      return;
-    } catch (const OutOfMemory&) {
-      result.reason += "; its memory is nearly full";
-    }
     const Array<std::uint64_t> ids = survivors_by_pieces(map.table(), points_, run_.control);
+    require_room_for_survivors(ids.size(), dimension, run_);
     result.ids.assign(ids.begin(), ids.end());
-    require_room_for_survivors(result.ids.size(), dimension, run_);
   }
 
   void fetch_there(Filtered& result) const {

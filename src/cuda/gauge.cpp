@@ -76,8 +76,9 @@ DeviceArray<std::byte> uploaded_points(const PointView& points, std::uint64_t fi
   return rows;
 }
 
-Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
-                                              const Run& run) {
+Array<std::uint64_t> survivors_there(const GaugeTable& table, const PointView& points,
+                                     const Run& run) {
+  const DeviceScope scope(device_or_current(run.options.device).ordinal);
   Array<std::uint64_t> ids;
   in_pieces(points.count, points.count, run.control, [&](std::uint64_t first, std::uint64_t n) {
     const CudaStream stream;
@@ -100,9 +101,8 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 
 Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
                                          const Control& control) {
-  constexpr std::uint64_t piece = 1 << 22;  // points; their mask takes half a megabyte
   Array<std::uint64_t> ids;
-  in_pieces(points.count, piece, control, [&](std::uint64_t first, std::uint64_t n) {
+  in_pieces(points.count, points.count, control, [&](std::uint64_t first, std::uint64_t n) {
     append_survivors(table, part_of(points, first, n), first, ids);
   });
   return ids;
@@ -131,9 +131,7 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
     if (gathers)
       check(gather_rows(part, ids_here.get(), n, here.get(), stream), "gathering points");
     else
-      check(
-          cudaMemcpyAsync(here.get(), part.data, n * d * sizeof(T), cudaMemcpyDeviceToHost, stream),
-          "copying points from the device");
+      begin_download(here.get(), static_cast<const T*>(part.data), n * d, stream);
     synchronise(stream, "copying points from the device");
     run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::copy(here.get() + begin, here.get() + end, rows.data() + first * d + begin);

@@ -69,15 +69,10 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 /// on, at most 2^28 points. Needs 16 bytes of device memory a cell.
 DeviceIds outermost_there(const GaugeTable& map, unsigned cells, const DevicePointView& points);
 
-/// The same ids in the host's memory, piece by piece, for a device with hardly any free memory:
-/// needs half a megabyte, the table's nodes, and 8 bytes for each survivor of a piece.
+/// The same ids in the host's memory: of all points at once or, where the device has hardly any
+/// free memory, in pieces.
 Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
                                          const Control& control);
-
-/// The same of points in the host's memory, which are copied to the device: all of them or, where
-/// it has not the memory, in pieces.
-Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
-                                              const Run& run);
 
 /// Copies points to packed rows of doubles in the host's memory, without a check for finiteness.
 /// `ids`: the `count` points to copy, in the host's memory; null: the first `count` points.

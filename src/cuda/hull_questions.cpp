@@ -16,9 +16,7 @@ class QuestionsThere final : public QuestionsOnDevice {
  public:
   QuestionsThere(const DevicePointView& view, const HullTables* tables, KeptTables& kept)
       : points_(view), hull_(tables), kept_(kept), stream_(cuda_stream_of(view)) {
-    const int ordinal = device_of(view);
-    (void)device(ordinal);
-    scope_.emplace(ordinal);
+    scope_.emplace(device_of(view));
   }
 
   std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
@@ -29,7 +27,7 @@ class QuestionsThere final : public QuestionsOnDevice {
     DeviceIds left;
     if (inner != nullptr) {
       left = survivors_of_device_points(*inner, part);
-      check(cudaMemsetAsync(out, codes.inside, count, stream_), "clearing device memory");
+      fill(out, count, codes.inside, stream_);
     }
     return answered(first, count, [&](const OpenList& open) {
       return ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, there, codes,
@@ -109,7 +107,7 @@ class QuestionsThere final : public QuestionsOnDevice {
   template <class Ask>
   std::vector<std::uint64_t> answered(std::uint64_t first, std::uint64_t count, const Ask& ask) {
     std::uint32_t* const words = open_.reserve(count + 1, stream_);
-    check(cudaMemsetAsync(words, 0, sizeof(std::uint32_t), stream_), "clearing device memory");
+    fill(words, 1, 0, stream_);
     check(ask(OpenList{words, words + 1}), "asking a hull");
     std::uint32_t listed = 0;
     download(&listed, words, 1, stream_);

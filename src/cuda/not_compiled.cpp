@@ -22,7 +22,7 @@ std::uint32_t most_map_nodes(int) {
   return 0;
 }
 
-Array<std::uint64_t> survivors_there(const GaugeMap&, const PointView&, const Run&) {
+Array<std::uint64_t> survivors_there(const GaugeTable&, const PointView&, const Run&) {
   require_cuda();
   return {};
 }

@@ -211,12 +211,25 @@ auto uploaded(const Items& items, cudaStream_t stream) {
   return there;
 }
 
-/// Copies from the device to the host, and returns when the copy is complete.
+/// Sets all bytes of items in the device's memory.
 template <class T>
-void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
+void fill(T* to, std::size_t count, int byte, cudaStream_t stream) {
+  if (count == 0) return;
+  check(cudaMemsetAsync(to, byte, count * sizeof(T), stream), "filling device memory");
+}
+
+/// Starts a copy from the device to the host. `to` may be read once the stream has been waited for.
+template <class T>
+void begin_download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
   check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
         "copying from the device");
+}
+/// The same, and returns when the copy is complete.
+template <class T>
+void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
+  if (count == 0) return;
+  begin_download(to, from, count, stream);
   synchronise(stream, "copying from the device");
 }
 

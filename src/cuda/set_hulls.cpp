@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
@@ -12,25 +13,13 @@
 namespace cullhull::internal {
 namespace {
 
-/// Starts a copy from the device. `to` may be read after the stream has been waited for.
-template <class T>
-void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
-  if (count == 0) return;
-  check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
-        "copying hulls from the device");
-}
-
-template <class T>
-void fill(T* to, std::size_t count, int byte, cudaStream_t stream) {
-  if (count == 0) return;
-  check(cudaMemsetAsync(to, byte, count * sizeof(T), stream), "filling device memory");
-}
-
-/// Calls launch(runs, count), which launches a kernel that copies within the device's memory.
-template <class Launch>
-void copy_all(const std::vector<ItemRun>& runs, cudaStream_t stream, const Launch& launch) {
+/// Copies runs of points to packed rows within the device's memory.
+void copy_all(const DevicePointView& points, const std::vector<ItemRun>& runs, void* rows,
+              cudaStream_t stream) {
   const DeviceArray<ItemRun> there = uploaded(runs, stream);
-  check(launch(there.data(), static_cast<std::uint32_t>(runs.size())), "copying sets");
+  check(
+      copy_point_runs(points, there.data(), static_cast<std::uint32_t>(runs.size()), rows, stream),
+      "copying sets");
 }
 
 /// Runs of items of the host, to copy into the device's memory.
@@ -45,9 +34,11 @@ class RunsOf {
   void copy(T* to, cudaStream_t stream) const {
     if (items_.empty()) return;
     const DeviceArray<T> there = uploaded(items_, stream);
-    copy_all(runs_, stream, [&](const ItemRun* all, std::uint32_t n) {
-      return copy_runs(there.data(), all, n, to, stream);
-    });
+    // As points with one coordinate. Copying an integer as a float of its size changes no bit.
+    using Scalar = std::conditional_t<sizeof(T) == sizeof(float), float, double>;
+    const auto points = DevicePointView::row_major(reinterpret_cast<const Scalar*>(there.data()),
+                                                   items_.size(), 1, stream);
+    copy_all(points, runs_, to, stream);
   }
 
  private:
@@ -126,9 +117,7 @@ class SetsThere final : public SetsOnDevice {
       (void)this_device();
       return;
     }
-    const int ordinal = device_of(view);
-    (void)device(ordinal);
-    scope.emplace(ordinal);
+    scope.emplace(device_of(view));
   }
 
   ~SetsThere() override {
@@ -261,7 +250,7 @@ void SetsThere::find(const std::uint64_t* of, std::uint32_t sets, bool measured)
     check(measure_sets(from(first), this_sets(), to, stream), "measuring hulls");
   }
   arriving = landing<SetCounts>(sets);
-  send_back(arriving.get(), device_counts.data(), sets, stream);
+  begin_download(arriving.get(), device_counts.data(), sets, stream);
 }
 
 FoundLists SetsThere::fetch() {
@@ -294,9 +283,9 @@ FoundLists SetsThere::fetch() {
   auto* const rows_here = cutter.take<std::byte>(rows.size());
   auto* const ids_here = cutter.take<std::uint16_t>(vertex_count);
   auto* const simplices_here = cutter.take<std::uint16_t>(space ? corners : 0);
-  send_back(rows_here, rows.data(), rows.size(), stream);
-  send_back(ids_here, ids.data(), vertex_count, stream);
-  send_back(simplices_here, lists.data(), space ? corners : 0, stream);
+  begin_download(rows_here, rows.data(), rows.size(), stream);
+  begin_download(ids_here, ids.data(), vertex_count, stream);
+  begin_download(simplices_here, lists.data(), space ? corners : 0, stream);
   found.rows = rows_here;
   found.vertices = ids_here;
   found.simplices = simplices_here;
@@ -332,18 +321,15 @@ SetRows SetsThere::rows_by_kernel(const std::vector<std::uint32_t>& which, SetRo
     runs.push_back({offsets[which[k]], rows.starts[k], rows.starts[k + 1] - rows.starts[k]});
   const std::size_t bytes = rows.points.count * row_bytes();
   const DeviceArray<std::byte> there(bytes, stream);
-  copy_all(runs, stream, [&](const ItemRun* all, std::uint32_t n) {
-    return copy_point_runs(points, all, n, there.data(), stream);
-  });
+  copy_all(points, runs, there.data(), stream);
   const std::shared_ptr<std::byte> memory = landing<std::byte>(bytes);
-  const Settled settled(stream);
-  send_back(memory.get(), there.data(), bytes, stream);
-  synchronise(stream, "copying points from the device");
-  rows.points = points.scalar == ScalarType::f64
-                    ? PointView::row_major(reinterpret_cast<const double*>(memory.get()),
-                                           rows.points.count, d())
-                    : PointView::row_major(reinterpret_cast<const float*>(memory.get()),
-                                           rows.points.count, d());
+  download(memory.get(), there.data(), bytes, stream);
+  rows.points = {memory.get(),
+                 points.scalar,
+                 d(),
+                 rows.points.count,
+                 static_cast<std::ptrdiff_t>(row_bytes()),
+                 static_cast<std::ptrdiff_t>(scalar_size(points.scalar))};
   rows.memory = memory;
   return std::move(rows);
 }

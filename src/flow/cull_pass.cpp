@@ -36,7 +36,7 @@ bool CullPass::filter_there(const GaugeMap* map, Filtered& result) {
 
 Array<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
   Array<std::uint64_t> ids;
-  if (tried_there([&] { ids = survivors_there(map, points_, run_); })) return ids;
+  if (tried_there([&] { ids = survivors_there(map.table(), points_, run_); })) return ids;
   return map.survivors(points_, run_, rows);
 }
 

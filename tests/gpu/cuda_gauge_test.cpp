@@ -53,7 +53,7 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
   const auto expected = map.survivors(view, run.with_threads(1));
   const std::string what =
       std::to_string(d) + "D " + scalar_name(view.scalar) + " " + std::to_string(n) + " points";
-  EXPECT_EQ(survivors_of_host_points(map.table(), view, run.with_threads(2)), expected) << what;
+  EXPECT_EQ(survivors_there(map.table(), view, run.with_threads(2)), expected) << what;
 
   const OnDevice there(rows);
   const auto packed = DevicePointView::row_major(there.data<T>(), n, d);
@@ -116,7 +116,7 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
   const Options options;
   const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), 10000, 3);
-  EXPECT_EQ(survivors_of_host_points(map->table(), view, run.with_threads(2)),
+  EXPECT_EQ(survivors_there(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(1)));
 }
 
@@ -130,7 +130,7 @@ TEST_F(CudaGauge, ManyPieces) {
   const Options options;
   const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), n, 3);
-  EXPECT_EQ(survivors_of_host_points(map->table(), view, run.with_threads(2)),
+  EXPECT_EQ(survivors_there(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(2)));
 }
 

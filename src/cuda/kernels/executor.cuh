@@ -188,8 +188,7 @@ class CudaExecutor {
   }
   template <class T>
   void zero(T* items, std::size_t count) {
-    if (count == 0) return;
-    check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
+    fill(items, count, 0, stream_);
   }
 
   /// What the blocks of a reduction found, on its way to the host.

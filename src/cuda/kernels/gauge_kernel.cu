@@ -252,8 +252,7 @@ DeviceIds list_bits(const std::uint32_t* mask, std::uint64_t words, cudaStream_t
   // One offset more than there are tiles: the last offset is the total.
   const unsigned tiles = blocks_for(words, tile_words);
   const DeviceArray<std::uint64_t> offsets(tiles + std::size_t{1}, stream);
-  check(cudaMemsetAsync(offsets.data(), 0, offsets.size() * sizeof(std::uint64_t), stream),
-        "counting");
+  fill(offsets.data(), offsets.size(), 0, stream);
   if (tiles > 0) count_kernel<<<tiles, tile_threads, 0, stream>>>(mask, words, offsets.data());
   check(cudaGetLastError(), "counting");
   sum_in_place(offsets.data(), tiles + std::uint64_t{1}, stream);

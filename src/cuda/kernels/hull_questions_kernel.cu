@@ -8,22 +8,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr unsigned ask_threads = 128;   // a guess
-constexpr unsigned cell_threads = 256;  // a guess
-
 enum class PointAnswer : std::uint8_t { open, inside, outside };
-
-__device__ void leave_open(const OpenList& open, std::uint64_t i) {
-  open.points[atomicAdd(open.count, 1U)] = static_cast<std::uint32_t>(i);
-}
-
-__device__ void write_side(PointAnswer side, SideCodes codes, std::uint64_t i, std::uint8_t* out,
-                           const OpenList& open) {
-  out[i] = side == PointAnswer::inside    ? codes.inside
-           : side == PointAnswer::outside ? codes.outside
-                                          : std::uint8_t{0};
-  if (side == PointAnswer::open) leave_open(open, i);
-}
 
 /// False where a coordinate is not finite.
 template <unsigned D, class T>
@@ -73,42 +58,6 @@ __device__ double largest_value(const TablesThere& hull, const double (&x)[D]) {
   return most;
 }
 
-template <unsigned D, class T>
-__global__ void __launch_bounds__(ask_threads)
-    hull_sides(const __grid_constant__ DevicePointView points,
-               const std::uint64_t* __restrict__ ids, std::uint64_t count,
-               const __grid_constant__ TablesThere hull, SideCodes codes,
-               std::uint8_t* __restrict__ out, OpenList open) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count;
-       k += step) {
-    const std::uint64_t i = ids != nullptr ? ids[k] : k;
-    double x[D];
-    const PointAnswer side = load<D, T>(points, i, x) ? side_of<D>(hull, x) : PointAnswer::open;
-    write_side(side, codes, i, out, open);
-  }
-}
-
-template <unsigned D, class T>
-__global__ void __launch_bounds__(ask_threads)
-    hull_distances(const __grid_constant__ DevicePointView points,
-                   const __grid_constant__ TablesThere hull, double* __restrict__ out,
-                   OpenList open) {
-  constexpr double least = 0x1p-1074;  // inside is never at distance 0
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
-       i += step) {
-    double x[D];
-    if (load<D, T>(points, i, x) && side_of<D>(hull, x) == PointAnswer::inside) {
-      const double value = largest_value<D>(hull, x);
-      out[i] = value < -least ? value : -least;
-    } else {
-      out[i] = 0;
-      leave_open(open, i);
-    }
-  }
-}
-
 /// The cell of a localised point whose largest |coordinate| is `largest`, as DirectionCube::cell:
 /// `axis` is the first whose |coordinate| is that, and grid axis j is axis j below it, j + 1 from
 /// it on.
@@ -156,7 +105,7 @@ __device__ double facet_value(const double* __restrict__ normals, std::uint32_t 
 
 /// As cell_sides() of query/facet_cells.cpp, whose derivation holds here: the same operations.
 template <unsigned D>
-__device__ PointAnswer side_by_cells(const CellsThere& hull, const double (&q)[D]) {
+__device__ PointAnswer side_of(const CellsThere& hull, const double (&q)[D]) {
   double x[D], reach = 0;
   bool in_box = true;
 #pragma unroll
@@ -187,21 +136,6 @@ __device__ PointAnswer side_by_cells(const CellsThere& hull, const double (&q)[D
   const double error = hull.error_factor * (reach + fabs(most)) + CellsThere::value_tiny;
   if (most - error > 1) return PointAnswer::outside;
   return most + error < 1 ? PointAnswer::inside : PointAnswer::open;
-}
-
-template <unsigned D, class T>
-__global__ void __launch_bounds__(cell_threads)
-    hull_cell_sides(const __grid_constant__ DevicePointView points,
-                    const __grid_constant__ CellsThere hull, SideCodes codes,
-                    std::uint8_t* __restrict__ out, OpenList open) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
-       i += step) {
-    double q[D];
-    const PointAnswer side =
-        load<D, T>(points, i, q) ? side_by_cells<D>(hull, q) : PointAnswer::open;
-    write_side(side, codes, i, out, open);
-  }
 }
 
 constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
@@ -241,19 +175,68 @@ __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
   return best - second > 2.01 * bound ? found : no_vertex;
 }
 
-template <unsigned D, class T>
-__global__ void __launch_bounds__(ask_threads)
-    hull_supports(const __grid_constant__ DevicePointView directions,
-                  const __grid_constant__ TablesThere hull, const std::uint64_t* __restrict__ ids,
-                  std::uint64_t* __restrict__ out, OpenList open) {
-  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
-  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < directions.count;
-       i += step) {
-    double u[D];
-    const std::uint32_t found = load<D, T>(directions, i, u) ? support_of<D>(hull, u) : no_vertex;
-    out[i] = found != no_vertex ? __ldg(ids + found) : 0;
-    if (found == no_vertex) leave_open(open, i);
+// Answers to a question: false where the point is open.
+
+template <class Hull>
+struct SideAnswer {
+  using Item = std::uint8_t;
+  Hull hull;
+  SideCodes codes;
+  template <unsigned D>
+  __device__ bool operator()(const double (&x)[D], Item& item) const {
+    const PointAnswer side = side_of<D>(hull, x);
+    item = side == PointAnswer::inside ? codes.inside : codes.outside;
+    return side != PointAnswer::open;
   }
+};
+using SideByFacets = SideAnswer<TablesThere>;
+using SideByCells = SideAnswer<CellsThere>;
+
+struct Distance {
+  using Item = double;
+  TablesThere hull;
+  template <unsigned D>
+  __device__ bool operator()(const double (&x)[D], Item& item) const {
+    constexpr double least = 0x1p-1074;  // inside is never at distance 0
+    if (side_of<D>(hull, x) != PointAnswer::inside) return false;
+    const double value = largest_value<D>(hull, x);
+    item = value < -least ? value : -least;
+    return true;
+  }
+};
+struct Support {
+  using Item = std::uint64_t;
+  TablesThere hull;
+  const std::uint64_t* ids;
+  template <unsigned D>
+  __device__ bool operator()(double (&u)[D], Item& item) const {
+    const std::uint32_t found = support_of<D>(hull, u);
+    if (found != no_vertex) item = __ldg(ids + found);
+    return found != no_vertex;
+  }
+};
+
+constexpr unsigned ask_threads = 256;  // a guess
+
+/// A thread a point; with `ids`, of these alone.
+template <class Answer, unsigned D, class T>
+__global__ void __launch_bounds__(ask_threads)
+    ask_hull(const __grid_constant__ DevicePointView points, const std::uint64_t* __restrict__ ids,
+             std::uint64_t count, const __grid_constant__ Answer answer,
+             typename Answer::Item* __restrict__ out, OpenList open) {
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count;
+       k += step) {
+    const std::uint64_t i = ids != nullptr ? ids[k] : k;
+    double x[D];
+    typename Answer::Item item = 0;
+    const bool certain = load<D, T>(points, i, x) && answer(x, item);
+    out[i] = certain ? item : 0;
+    if (!certain) open.points[atomicAdd(open.count, 1U)] = static_cast<std::uint32_t>(i);
+  }
+}
+unsigned ask_blocks(std::uint64_t count) {
+  return blocks_for(count == 0 ? 1 : count, ask_threads, std::uint64_t{1} << 20);
 }
 
 /// A thread a byte.
@@ -267,18 +250,14 @@ struct ScatterByte {
   }
 };
 
-constexpr std::uint64_t most_blocks = std::uint64_t{1} << 20;
-
 }  // namespace
 
 cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t count,
                       const TablesThere& hull, SideCodes codes, std::uint8_t* out,
                       const OpenList& open, cudaStream_t stream) {
-  if (count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(count, ask_threads, most_blocks);
   with_point_types<2, HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
-    hull_sides<D, T>
-        <<<blocks, ask_threads, 0, stream>>>(points, ids, count, hull, codes, out, open);
+    ask_hull<SideByFacets, D, T><<<ask_blocks(count), ask_threads, 0, stream>>>(
+        points, ids, count, SideByFacets{hull, codes}, out, open);
   });
   return cudaGetLastError();
 }
@@ -286,20 +265,18 @@ cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, s
 cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
                                SideCodes codes, std::uint8_t* out, const OpenList& open,
                                cudaStream_t stream) {
-  if (points.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(points.count, cell_threads, most_blocks);
   with_point_types<2, CellsThere::max_k>(points, [&]<unsigned D, class T>() {
-    hull_cell_sides<D, T><<<blocks, cell_threads, 0, stream>>>(points, cells, codes, out, open);
+    ask_hull<SideByCells, D, T><<<ask_blocks(points.count), ask_threads, 0, stream>>>(
+        points, nullptr, points.count, SideByCells{cells, codes}, out, open);
   });
   return cudaGetLastError();
 }
 
 cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
                           const OpenList& open, cudaStream_t stream) {
-  if (points.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(points.count, ask_threads, most_blocks);
   with_point_types<2, HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
-    hull_distances<D, T><<<blocks, ask_threads, 0, stream>>>(points, hull, out, open);
+    ask_hull<Distance, D, T><<<ask_blocks(points.count), ask_threads, 0, stream>>>(
+        points, nullptr, points.count, Distance{hull}, out, open);
   });
   return cudaGetLastError();
 }
@@ -307,10 +284,9 @@ cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
                          const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream) {
-  if (directions.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(directions.count, ask_threads, most_blocks);
   with_point_types<2, HullTables::most_dimensions>(directions, [&]<unsigned D, class T>() {
-    hull_supports<D, T><<<blocks, ask_threads, 0, stream>>>(directions, hull, ids, out, open);
+    ask_hull<Support, D, T><<<ask_blocks(directions.count), ask_threads, 0, stream>>>(
+        directions, nullptr, directions.count, Support{hull, ids}, out, open);
   });
   return cudaGetLastError();
 }

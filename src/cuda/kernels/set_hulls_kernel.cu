@@ -232,15 +232,6 @@ __global__ void point_runs(const __grid_constant__ DevicePointView points,
     rows[run.to * d + e] = coordinate<T>(points, run.from + e / d, static_cast<unsigned>(e % d));
 }
 
-template <class Item>
-__global__ void item_runs(const Item* __restrict__ items, const ItemRun* __restrict__ runs,
-                          std::uint32_t count, Item* __restrict__ out) {
-  if (warp_of() >= count) return;
-  const ItemRun run = runs[warp_of()];
-  for (std::uint64_t i = lane_of(); i < run.length; i += lanes)
-    out[run.to + i] = items[run.from + i];
-}
-
 constexpr unsigned copying_warps = 4;       // a guess
 constexpr unsigned measuring_threads = 64;  // few, so that small batches reach many processors
 
@@ -267,10 +258,7 @@ cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetL
                         std::uint32_t other_count, const PlacedLists& out, cudaStream_t stream) {
   constexpr unsigned threads = 256;
   for (std::uint64_t* const list : {out.vertex_at, out.simplex_at})
-    if (const cudaError_t status =
-            cudaMemsetAsync(list + sets.sets, 0, sizeof(std::uint64_t), stream);
-        status != cudaSuccess)
-      return status;
+    fill(list + sets.sets, 1, 0, stream);
   if (sets.counts != nullptr && sets.sets != 0)
     place_found<<<blocks_for(sets.sets, threads), threads, 0, stream>>>(sets, dimension, out);
   if (other_count != 0)
@@ -322,16 +310,5 @@ cudaError_t copy_point_runs(const DevicePointView& points, const ItemRun* runs, 
   });
   return cudaGetLastError();
 }
-
-template <class Item>
-cudaError_t copy_runs(const Item* items, const ItemRun* runs, std::uint32_t count, Item* out,
-                      cudaStream_t stream) {
-  item_runs<<<blocks_for(count, copying_warps), copying_warps * lanes, 0, stream>>>(items, runs,
-                                                                                    count, out);
-  return cudaGetLastError();
-}
-template cudaError_t copy_runs(const std::int32_t*, const ItemRun*, std::uint32_t, std::int32_t*,
-                               cudaStream_t);
-template cudaError_t copy_runs(const double*, const ItemRun*, std::uint32_t, double*, cudaStream_t);
 
 }  // namespace cullhull::internal

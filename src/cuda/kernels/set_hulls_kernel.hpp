@@ -102,9 +102,5 @@ struct ItemRun {
 /// Copies runs of points to packed rows of the points' scalar type.
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRun* runs, std::uint32_t count,
                             void* rows, cudaStream_t stream);
-/// Copies runs of numbers: std::int32_t or double.
-template <class Item>
-cudaError_t copy_runs(const Item* items, const ItemRun* runs, std::uint32_t count, Item* out,
-                      cudaStream_t stream);
 
 }  // namespace cullhull::internal

@@ -91,7 +91,7 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
       ASSERT_TRUE(fetched[k] == value || value != value) << what;
     }
   }
-  ASSERT_EQ(internal::survivors_of_host_points(map.table(), here, run.with_threads(2)), expected);
+  ASSERT_EQ(internal::survivors_there(map.table(), here, run.with_threads(2)), expected);
 }
 
 TEST(EmulatedLayouts, EveryBorderInEveryDimension) {

@@ -170,7 +170,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
           query.sides(there, found.data(), options);
           EXPECT_EQ(found, sides);
           if (n == 0) {
-            EXPECT_EQ(emulation::counters().launches["hull_sides<D, T>"], 1U);
+            EXPECT_EQ(emulation::counters().launches["ask_hull<SideByFacets, D, T>"], 1U);
           }
         });
         ask(
@@ -179,7 +179,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
           query.sides(there, found.data(), by_cells);
           EXPECT_EQ(found, sides);
           if (n == 0) {
-            EXPECT_EQ(emulation::counters().launches["hull_cell_sides<D, T>"], 1U);
+            EXPECT_EQ(emulation::counters().launches["ask_hull<SideByCells, D, T>"], 1U);
           }
             },
             true, true);
@@ -228,7 +228,8 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
     query.sides(there, found.data(), options);
     EXPECT_EQ(found, sides);
     auto launched = emulation::counters().launches;
-    return std::pair(launched["hull_sides<D, T>"], launched["hull_cell_sides<D, T>"]);
+    return std::pair(launched["ask_hull<SideByFacets, D, T>"],
+                     launched["ask_hull<SideByCells, D, T>"]);
   };
   using Launches = decltype(launches(0, 0, Backend::cuda));
   EXPECT_EQ(launches(1, 1e15, Backend::automatic), (Launches{1, 0}));
