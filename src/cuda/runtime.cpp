@@ -6,9 +6,11 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "cuda/reason.hpp"
 #include "parallel/threads/fork_guard.hpp"
@@ -335,34 +337,54 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
   (void)cudaFreeHost(memory);
 }
 
+Look::Look(const std::vector<Transfer>& of, cudaStream_t stream) {
+  for (const Transfer& t : of) bytes_ += t.bytes;
+  here_ = landing<std::byte>(bytes_);
+  std::byte* to = here_.get();
+  for (const Transfer& t : of) {
+    begin_download(to, static_cast<const std::byte*>(t.from), t.bytes, stream);
+    to += t.bytes;
+  }
+  (void)cudaEventRecord(event_.get(), stream);  // what fails here fails when it is waited for
+}
+
 void download_many(const std::vector<Transfer>& transfers, cudaStream_t stream, const Run& run) {
   constexpr std::size_t piece = std::size_t{4} << 20;
-  std::size_t bytes = 0;
-  for (const Transfer& t : transfers) bytes += t.bytes;
-  const std::shared_ptr<std::byte> here = landing<std::byte>(std::min(piece, bytes));
-  Transfer rest = {};
-  for (auto next = transfers.begin(); rest.bytes != 0 || next != transfers.end();) {
+  struct Sent {
+    std::vector<Transfer> parts;
+    std::unique_ptr<const Look> look;
+  };
+  std::deque<Sent> sent;
+  const auto land = [&] {
     run.check();
-    std::vector<Transfer> landed;
-    Settled settled(stream);
-    for (std::size_t at = 0; at < piece && (rest.bytes != 0 || next != transfers.end());) {
-      if (rest.bytes == 0) rest = *next++;
-      const std::size_t n = std::min(piece - at, rest.bytes);
-      if (n == 0) continue;
-      check(cudaMemcpyAsync(here.get() + at, rest.from, n, cudaMemcpyDeviceToHost, stream),
-            "copying from the device");
-      landed.push_back({here.get() + at, rest.to, n});
-      at += n;
+    const std::byte* from = sent.front().look->wait();
+    for (const Transfer& t : sent.front().parts) {
+      run.each(t.bytes, 8 * light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+        std::memcpy(static_cast<std::byte*>(t.to) + begin, from + begin, end - begin);
+      });
+      from += t.bytes;
+    }
+    sent.pop_front();
+  };
+  std::vector<Transfer> parts;
+  std::size_t room = piece;
+  const auto send = [&] {
+    if (sent.size() == 2) land();
+    sent.push_back({parts, std::make_unique<Look>(parts, stream)});
+    parts.clear();
+    room = piece;
+  };
+  for (Transfer rest : transfers)
+    while (rest.bytes != 0) {
+      const std::size_t n = std::min(room, rest.bytes);
+      parts.push_back({rest.from, rest.to, n});
       rest = {static_cast<const std::byte*>(rest.from) + n, static_cast<std::byte*>(rest.to) + n,
               rest.bytes - n};
+      room -= n;
+      if (room == 0) send();
     }
-    settled.wait("copying from the device");
-    for (const Transfer& t : landed)
-      run.each(t.bytes, 8 * light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-        std::memcpy(static_cast<std::byte*>(t.to) + begin,
-                    static_cast<const std::byte*>(t.from) + begin, end - begin);
-      });
-  }
+  if (!parts.empty()) send();
+  while (!sent.empty()) land();
 }
 
 std::size_t kept_pinned_memory() noexcept { return pinned_pool().kept(); }

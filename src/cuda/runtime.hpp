@@ -168,24 +168,17 @@ inline void run_after(cudaStream_t stream, cudaStream_t other) {
 /// which would end the capture. Leaves the capture intact.
 void refuse_capture(cudaStream_t stream);
 
-/// Its destructor waits for the stream unless wait() did, so that no copy is in flight afterwards,
-/// even after an exception.
+/// Its destructor waits for the stream, so that no copy is in flight afterwards, even after an
+/// exception.
 class Settled {
  public:
   explicit Settled(cudaStream_t stream) : stream_(stream) {}
-  ~Settled() {
-    if (!waited_) (void)cudaStreamSynchronize(stream_);
-  }
-  void wait(const char* doing) {
-    waited_ = true;
-    check(cudaStreamSynchronize(stream_), doing);
-  }
+  ~Settled() { (void)cudaStreamSynchronize(stream_); }
   Settled(const Settled&) = delete;
   Settled& operator=(const Settled&) = delete;
 
  private:
   cudaStream_t stream_;
-  bool waited_ = false;
 };
 
 /// Waits for all work of a stream, and throws if any of it failed.
@@ -248,12 +241,10 @@ std::shared_ptr<T> landing(std::size_t count) {
 /// meanwhile goes on.
 class Look {
  public:
+  /// Of several transfers the bytes come one after another; where to is not read.
+  Look(const std::vector<Transfer>& of, cudaStream_t stream);
   Look(const void* from, std::size_t bytes, cudaStream_t stream)
-      : here_(landing<std::byte>(bytes)), bytes_(bytes) {
-    check(cudaMemcpyAsync(here_.get(), from, bytes, cudaMemcpyDeviceToHost, stream),
-          "copying from the device");
-    (void)cudaEventRecord(event_.get(), stream);  // what fails here fails when it is waited for
-  }
+      : Look({{from, nullptr, bytes}}, stream) {}
   ~Look() { (void)cudaEventSynchronize(event_.get()); }  // no copy is in flight afterwards
   Look(const Look&) = delete;
   Look& operator=(const Look&) = delete;
@@ -266,12 +257,13 @@ class Look {
 
  private:
   std::shared_ptr<std::byte> here_;
-  std::size_t bytes_;
+  std::size_t bytes_ = 0;
   CudaEvent event_;
 };
 
 /// Copies from the device by pinned memory, from which the threads of `run` copy, as the driver
-/// copies to other memory at a tenth of the link's rate. Waits once for each 4 MiB.
+/// copies to other memory at a tenth of the link's rate. While they copy a piece of 4 MiB, the link
+/// carries the next one, so the device stops once, in the end.
 void download_many(const std::vector<Transfer>& transfers, cudaStream_t stream, const Run& run);
 
 /// Returns cudaSuccess if this build has code that the current device can run, else the error of

@@ -40,10 +40,14 @@ class GrowthRounds {
     facets_ = Executor::at_most(facets, Executor::most(exterior));  // each has a point outside
     exterior_ = exterior;
   }
+  /// Whether room for the most facets that there may be is too much: then their number is read in
+  /// the same round. It is on its way before the points move if it is sent then.
+  bool are_many(const Count& facets) const {
+    return std::min(Executor::most(facets), Executor::most(exterior_)) > much_;
+  }
   /// Reads the numbers of all rounds but the last `ahead`, 0 or 1, and adds those of each to its
-  /// report; of all rounds where room would be made for many facets that may not come.
+  /// report.
   void read(std::vector<PseudoHullRound>& reports, std::size_t ahead) {
-    if (Executor::most(facets_) > much_) ahead = 0;
     if (unread_.size() <= ahead) return;
     std::uint32_t after = 0;
     for (; unread_.size() > ahead; unread_.pop_front()) {
@@ -65,10 +69,11 @@ class GrowthRounds {
     exterior_ = Executor::at_most(exterior_, after);
     facets_ = Executor::at_most(facets_, after);
     if (after == 0) return;
-    if (unread_.empty())
+    if (unread_.empty() || are_many(facets_))
       facets_ = std::uint32_t{facets_};
     else
       facets_ = Executor::at_most(facets_, fan_ * std::uint32_t{unread_.front().facets});
+    if (Executor::most(facets_) == 0) exterior_ = 0;
   }
 
  private:

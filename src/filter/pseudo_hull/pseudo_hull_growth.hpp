@@ -163,6 +163,7 @@ class PseudoHullGrowth {
     const Count facets =
         executor_.enumerate(cells, CellHasPoints{best_.data()}, number,
                             MoveFacet<D>{best_.data(), number, cell_.data(), facet, apex});
+    if (growth_.are_many(facets)) executor_.send_counts();
     const Count before = growth_.exterior();
     // Room for one more, because an executor may emit an item that is not kept.
     ExteriorPoint* to = executor_.reserve(next_points_, std::size_t{Executor::most(before)} + 1);

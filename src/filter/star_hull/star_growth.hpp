@@ -431,6 +431,7 @@ class StarGrowth {
         executor_.enumerate(cells, CellHasPoints{best_.data()}, rank,
                             ListActive{best_.data(), rank, slots, made, facet_.data(), next_active,
                                        apex, number_.data()});
+    if (growth_.are_many(active)) executor_.send_counts();
     // Room for one more, because an executor may emit an item that is not kept.
     ExteriorPoint* next_points = executor_.reserve(next_points_, std::size_t{most_points} + 1);
     const Count exterior =

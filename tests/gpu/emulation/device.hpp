@@ -30,7 +30,7 @@ bool may_allocate(std::size_t bytes);
 void count_allocation(std::ptrdiff_t bytes);
 /// False: the test wants this allocation of pinned memory to fail.
 bool count_pinned();
-void count_copy();
+void count_copy(cudaStream_t stream, std::size_t bytes);
 void count_trim();
 void count_wait();
 void count_look();
@@ -52,11 +52,11 @@ bool idle(cudaStream_t stream);
 /// A place in the order of a stream.
 struct Mark {
   cudaStream_t stream;
-  std::uint64_t launches;  ///< of kernels, before it
+  std::uint64_t work;  ///< before it
   bool reached;
 };
 std::shared_ptr<Mark> mark(cudaStream_t stream);
-/// Whether no kernel was launched after it.
+/// Whether no kernel and no long copy was submitted after it.
 bool is_last(const Mark& mark);
 /// Does what is queued before it.
 void drain_to(const Mark& mark);

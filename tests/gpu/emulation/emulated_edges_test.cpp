@@ -205,12 +205,15 @@ TEST_F(EmulatedEdges, CallsWaitSeldom) {
   EXPECT_TRUE(testing_support::has(tracker.hull().statistics.cull_reason, "the last frame's"));
 }
 
-// Its first surface is refined, and checked twice.
+// Its first surface is refined, and checked twice. In the larger one many facets are replaced in a
+// round, and the lists of the result are copied in several pieces.
 TEST_F(EmulatedEdges, ASphereWaitsOnceMore) {
-  const auto rows = testing_support::made<float>("sphere", 25000, 3, 5);
-  const OnDevice there(rows);
-  const auto view = DevicePointView::row_major(there.data<float>(), 25000, 3);
-  EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 5U);
+  for (const std::size_t n : {25000U, 100000U}) {
+    const auto rows = testing_support::made<float>("sphere", n, 3, 5);
+    const OnDevice there(rows);
+    const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
+    EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 5U) << n;
+  }
 }
 
 // Nor is memory lost where a result is freed while the caller has an unread error.
