@@ -210,7 +210,7 @@ class HullReader {
     return static_cast<std::uint32_t>(v);
   }
   bool whole(std::uint64_t v) {
-    const int level = is_nested() ? 3 : is_flat() || field_ == Field::points ? 2 : 1;
+    const std::uint64_t level = is_nested() ? 3 : is_flat() || field_ == Field::points ? 2 : 1;
     if (depth_ != level) return unexpected();
     switch (field_) {
       case Field::schema:
