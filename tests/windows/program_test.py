@@ -100,6 +100,12 @@ for words, status in ((["hull", "absent é.npy"], 1), (["hull", "3.npy", "-o", "
                       (["hull", "lf.csv", "--columns", "a,b"], 2), (["hulk", "3.npy"], 2),
                       (["hull", "3.npy", "-o", "3.npy"], 2)):
     same(words, folder=folder, status=status)
+# By Windows' shell, since wine knows no file of what a shell of Unix redirects.
+run(linux, "cull", "3.npy", "-q", "-o", "s.ply", folder=folder)
+program = "Z:" + windows[1].replace("/", "\\")
+ended = run(["wine", "cmd", "/c"], f"{program} hull - -o s.ply <s.ply", folder=folder)
+check((ended.returncode, ended.stderr.strip()) ==
+      (2, b"cullhull: -o s.ply: would overwrite the input standard input"), str(ended))
 
 # Beyond 4 GB, of which the last part is read.
 count = 2_200_000_000
