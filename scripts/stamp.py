@@ -31,6 +31,8 @@ VERSIONS = [
     ("packaging/spack/cullhull/package.py", r"(cullhull@)(\d[\w.]*\w)()"),
     ("packaging/spack/cullhull/package.py", r'^(    version\(")([^"]+)(")'),
     ("packaging/vcpkg/cullhull/vcpkg.json", r'^(  "version": ")(.+)(")'),
+    ("tests/package/consumer/CMakeLists.txt", r"(find_package\(cullhull )([\d.]+)()"),
+    ("tests/package/mpi_consumer/CMakeLists.txt", r"(find_package\(cullhull )([\d.]+)()"),
 ]
 
 #: Addresses of a repository or site with the project's name, however they are spelled.

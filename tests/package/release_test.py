@@ -177,7 +177,8 @@ class copy_of_tree:
         for name in ("packaging", "scripts"):
             shutil.copytree(root / name, self.folder / name, ignore=shutil.ignore_patterns("__pycache__"))
         for name in ("CITATION.cff", "LICENSE", "README.md", "CHANGELOG.md", ".gitignore",
-                     "docs/install.md", "include/cullhull/version.hpp"):
+                     "docs/install.md", "include/cullhull/version.hpp",
+                     *(f"tests/package/{kind}/CMakeLists.txt" for kind in ("consumer", "mpi_consumer"))):
             (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(root / name, self.folder / name)
         return self.folder
