@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|wheel|wheels|wheel-cuda|sdist|deb|sbom|sums|sizes ...
+#   scripts/artifacts.sh static|wheel|wheels|windows|wheel-cuda|sdist|deb|sbom|sums|sizes ...
 #   static  the program as one file, for any Linux of the last years on this processor
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
 #   wheels  a wheel for each Python from 3.9 to 3.11 that is found, in PATH or in pyenv's folder,
 #           and one for 3.12 and later
+#   windows  program, shared library and wheel for Windows (scripts/windows.sh)
 #   wheel-cuda  the Python package for PYTHON with the CUDA backend, as version X+cuN for CUDA N. It
 #           is not made against the sysroot, which nvcc cannot use: it asks for this system's glibc
 #   sdist   the sources of the Python package
@@ -15,7 +16,7 @@
 #   sizes   the table of all that lies there in docs/install.md
 # All but the sources are built against build/sysroot (scripts/portable-sysroot.sh); the packages'
 # library uses the C++ library of Debian 12. SOURCE_DATE_EPOCH (the time of the last commit if not
-# set) is the time of every file in them: the same commit gives the same bytes.
+# set) is the time of every file in those for Linux: the same commit gives the same bytes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -123,6 +124,11 @@ make_wheels() {
   done
 }
 
+make_windows() {
+  scripts/windows.sh libraries build wheel
+  cp build/windows/dist/*"$version"* "$dist/"
+}
+
 make_sdist() {
   venv
   PATH="$venv/bin:$PATH" "$venv/bin/python" -m build --sdist --no-isolation -o "$dist" .
@@ -167,9 +173,11 @@ PY
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | wheel | wheels | wheel-cuda | sdist | deb | sbom | sums | sizes) "make_$artifact" ;;
+    static | wheel | wheels | windows | wheel-cuda | sdist | deb | sbom | sums | sizes)
+      "make_$artifact"
+      ;;
     *)
-      sed -n '2,20s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,21s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

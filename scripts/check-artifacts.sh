@@ -3,7 +3,8 @@
 #   scripts/check-artifacts.sh         in Debian 11, 12, 13 and testing without a compiler, which
 #                                      debootstrap makes in build/roots (as root, with a mirror);
 #                                      ROOTS="bookworm bullseye" names others. The static program also
-#                                      in a folder with nothing else
+#                                      in a folder with nothing else, that for Windows in an empty
+#                                      prefix of wine, where wine is installed
 #   scripts/check-artifacts.sh --here  without root and network: what can be run on this machine
 #   scripts/check-artifacts.sh --rebuild  builds the commit again, in another folder and without
 #                                      ccache, and compares every artifact of it byte by byte
@@ -43,7 +44,8 @@ broken() {
 
 static=$dist/cullhull-$version-linux-$(uname -m)
 shopt -s nullglob
-wheels=("$dist/cullhull-$version"-*.whl)
+wheels=("$dist/cullhull-$version"-*linux*.whl)
+exe=$dist/cullhull-$version-windows-x86_64.exe
 debs=("$dist"/*cullhull*_"$version"_*.deb)
 [[ -e $static || ${#wheels[@]} -gt 0 || ${#debs[@]} -gt 0 ]] ||
   give_up "build/dist has no artifact of $version (make static, wheel, deb)"
@@ -109,6 +111,10 @@ here() {
     checks=$((checks + 1))
     "$static" --licenses >"$scratch/licences"
     grep -q '^==== LGPL-2.1 (glibc) ====' "$scratch/licences" || broken "no licences in $static"
+  fi
+  if [[ -e $exe ]] && command -v wine >/dev/null; then
+    hulls "program for Windows" env -u DISPLAY -u WAYLAND_DISPLAY "WINEPREFIX=$scratch/wine" \
+      WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml,winemenubuilder.exe=' wine "$exe"
   fi
   for wheel in "${wheels[@]}"; do
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
@@ -312,7 +318,7 @@ case "${1:-}" in
     done
     ;;
   *)
-    sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,16s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

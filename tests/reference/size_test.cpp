@@ -25,7 +25,7 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/io", 18550},   {"src/parallel", 2960}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 31445},
     {"tests", 54315},    {"docs", 10475},        {"apps", 9525},         {"bench", 7560},
-    {"viewer", 3430},    {"scripts", 3985},
+    {"viewer", 3430},    {"scripts", 4000},
 };
 
 bool is_text(const fs::path& file) {
