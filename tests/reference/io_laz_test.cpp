@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "io/formats/laz.hpp"
 #include "io/formats/laz_models.hpp"
 #include "io_fixtures.hpp"
 
@@ -217,6 +218,32 @@ TEST(IoLaz, NoCodeIsReadBeyondItsEnd) {
   LazDecoder decoder(zeros.data(), zeros.data() + 8);
   EXPECT_EQ(decoder.bits(32), 0U);
   EXPECT_THROW(decoder.bits(32), LazDamage);
+}
+
+// A chunk may hold all points of a file. Zeros code as many as are asked for.
+TEST(IoLaz, StopsWithinAChunk) {
+  using namespace internal;
+  const std::uint32_t count = 70000, layer = 50000;  // of x and y; the others are empty
+  std::string bytes(100000, '\0'), room(count * 12, '\0');
+  const LazChunk chunk{bytes.data(), bytes.data() + bytes.size(), count};
+  const LazRows rows{room.data(), 30, 12, std::vector<bool>(30, true)};
+  ReadOptions options;
+  const auto both = [&] {
+    bytes.replace(30, 8, 8, '\0');
+    const auto points = error_of([&] {
+      decode_points(chunk, {{LazItem::bytes, 30, 2}}, rows, options);
+    });
+    std::memcpy(&bytes[30], &count, 4);
+    std::memcpy(&bytes[34], &layer, 4);
+    return points + error_of([&] {
+             decode_layers(chunk, {{LazItem::point14, 30, 3}}, rows, options);
+           });
+  };
+  EXPECT_EQ(both(), "");
+  std::stop_source source;
+  options.stop = source.get_token();
+  source.request_stop();
+  EXPECT_EQ(both(), "6 cancelled6 cancelled");
 }
 
 }  // namespace cullhull::testing::io_laz_test

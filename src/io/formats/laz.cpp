@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "io/formats/laz_models.hpp"
-#include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -216,7 +215,7 @@ void decode_chunks(const LazLayout& laz, std::size_t from, std::size_t to, const
     own.out += (c.first - first->first) * rows.stride;
     try {
       (laz.layered ? decode_layers : decode_points)({begin, begin + c.bytes, c.count}, laz.items,
-                                                    own);
+                                                    own, options);
     } catch (const LazDamage& damage) {
       fail_at_byte(bytes, c.offset, "chunk ", from + i, " of ", laz.chunks.size(),
                    " is damaged: ", damage.what);

@@ -9,6 +9,7 @@
 #include "io/packed/archive.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/text/lines.hpp"
 
 namespace cullhull::internal {
 
@@ -58,9 +59,11 @@ struct LazRows {
   }
 };
 
-/// Both throw LazDamage. `chunk` holds at least a record.
-void decode_points(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows);
-void decode_layers(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows);
+/// Both throw LazDamage and Error{cancelled}. `chunk` holds at least a record. Options used: stop.
+void decode_points(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows,
+                   const ReadOptions& options);
+void decode_layers(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows,
+                   const ReadOptions& options);
 
 struct LazLayout {
   std::vector<LazItem> items;

@@ -326,7 +326,8 @@ std::unique_ptr<Part> make_part(const LazItem& item, const char* first, std::siz
 
 }  // namespace
 
-void decode_layers(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows) {
+void decode_layers(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows,
+                   const ReadOptions& options) {
   std::size_t count = 0;
   for (const LazItem& item : items) count += layers_of(item);
   const char* const sizes = chunk.begin + rows.record + 4;
@@ -345,6 +346,7 @@ void decode_layers(const LazChunk& chunk, const std::vector<LazItem>& items, con
   }
   const std::size_t own = std::min(rows.stride, std::size_t{items[0].size});
   for (std::uint64_t i = 1; i < chunk.count; ++i) {
+    if (i % 65536 == 0) check_stop(options);
     char* const out = rows.out + i * rows.stride;
     std::memcpy(out, points.next(), own);
     for (const auto& [at, part] : parts) part->next(points.channel_of_others(), out + at);

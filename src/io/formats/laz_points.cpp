@@ -238,7 +238,8 @@ std::unique_ptr<Item> make_item(const LazItem& item) {
 
 }  // namespace
 
-void decode_points(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows) {
+void decode_points(const LazChunk& chunk, const std::vector<LazItem>& items, const LazRows& rows,
+                   const ReadOptions& options) {
   std::vector<std::unique_ptr<Item>> parts;
   for (const LazItem& item : items) parts.push_back(make_item(item));
   std::string record(chunk.begin, rows.record);
@@ -251,6 +252,7 @@ void decode_points(const LazChunk& chunk, const std::vector<LazItem>& items, con
   if (chunk.count == 1) return;
   LazDecoder decoder(chunk.begin + rows.record, chunk.end);
   for (std::uint64_t i = 1; i < chunk.count; ++i) {
+    if (i % 65536 == 0) check_stop(options);
     each([&](Item& part, char* at) { part.next(decoder, at); });
     std::memcpy(rows.out + i * rows.stride, record.data(), rows.stride);
   }
