@@ -285,7 +285,7 @@ except ValueError:
       python3 -m zipfile -e /check/$wheel /check/wheel && chmod +x /check/wheel/cullhull/bin/cullhull"
     inside_hulls "$codename: the wheel's program" "$folder" /check/wheel/cullhull/bin/cullhull
   fi
-  if [[ $codename == bookworm && ${#debs[@]} -gt 0 ]]; then
+  if [[ $codename != bullseye && ${#debs[@]} -gt 0 ]]; then
     inside "$folder" apt-get -qq update >/dev/null 2>&1 || true
     within "$codename: apt install ./*.deb" "$folder" \
       "apt-get install -y --reinstall --no-install-recommends /check/*.deb"
