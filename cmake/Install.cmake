@@ -91,9 +91,18 @@ if(NOT CULLHULL_SHARED)
 endif()
 file(RELATIVE_PATH _pc_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" /)
 string(REGEX REPLACE "/$" "" _pc_prefix "${_pc_prefix}")
+set(_pc_name cullhull)
 configure_file(cmake/cullhull.pc.in "${CMAKE_CURRENT_BINARY_DIR}/cullhull.pc" @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhull.pc"
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+if(TARGET cullhull_c)
+  set(_pc_name cullhull_c)
+  set(_pc_requires "")
+  set(_pc_libraries "-lcullhull_c")
+  configure_file(cmake/cullhull.pc.in "${CMAKE_CURRENT_BINARY_DIR}/cullhull_c.pc" @ONLY)
+  install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhull_c.pc"
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endif()
 
 if(CULLHULL_BUILD_APPS)
   install(TARGETS cullhull_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)

@@ -6,8 +6,9 @@
    - What a `..._new`, `..._of`, `..._load` or `..._hull` function gives is a handle of the caller,
      who ends it by its `..._free`, which takes NULL, too. A use of one of the last 1,024 handles
      that were freed is an error, not a crash.
-   - Arrays are borrowed: they live as long as the handle, and no call changes them. Two functions
-     give memory of the caller's instead (extreme points, cull, state_save): cullhull_free ends it.
+   - Arrays are borrowed: they live as long as the handle, and no call changes them. Four functions
+     give memory of the caller's instead (extreme points, cull, halfspaces, state_save):
+     cullhull_free ends it.
    - Structs begin with their size, which the caller sets; fields left zero have the default:
      `cullhull_points p = {sizeof p, data, count, 3};`. Programs built with an older or a newer
      header go on to work.
@@ -177,6 +178,16 @@ CULLHULL_API cullhull_status cullhull_extreme_points(const cullhull_points* poin
 CULLHULL_API cullhull_status cullhull_cull(const cullhull_points* points,
                                            const cullhull_options* options, uint64_t** ids,
                                            uint64_t* count);
+
+/* The vertices of the intersection of halfspaces a . x + b <= 0 (halfspaces.hpp): `halfspaces` has
+   a row (a_1, ..., a_d, b) for each, so d + 1 columns, as CULLHULL_HULL_PLANES has them.
+   `interior`: d doubles strictly inside, or NULL to search for such a point; where there is none:
+   CULLHULL_INVALID_ARGUMENT. `vertices`: count rows of d doubles, memory of the caller's
+   (cullhull_free); a row of NaN: unbounded there. Rounded, as the planes are. */
+CULLHULL_API cullhull_status cullhull_intersect_halfspaces(const cullhull_points* halfspaces,
+                                                           const double* interior,
+                                                           const cullhull_options* options,
+                                                           double** vertices, uint64_t* count);
 
 typedef struct cullhull_certificate {
   size_t size;   /* sizeof(cullhull_certificate), set by the caller */

@@ -13,6 +13,7 @@
 #include "cullhull/batch.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/halfspaces.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
 #include "cullhull/stream.hpp"
@@ -215,6 +216,37 @@ TEST(CInterface, BatchesQueriesStatesAndStreamsAreTheSame) {
   EXPECT_EQ(count, 3000U);
   EXPECT_EQ(ids[2999], 2999U);
   cullhull_free(ids);
+}
+
+TEST(CInterface, HalfspacesAreTheSame) {
+  const std::vector<double> rows = generate("gauss", 40, 4, 3);
+  const Hull hull = convex_hull(PointView::row_major(rows.data(), 40, 4));
+  const std::vector<double> planes(hull.facet_planes.begin(), hull.facet_planes.end());
+  cullhull_points p = points(planes, 5);
+  const PointView view = PointView::row_major(planes.data(), p.count, 5);
+  const double inside[] = {0, 0, 0, 0.01};
+  for (const double* interior : {static_cast<const double*>(nullptr), inside}) {
+    double* vertices = nullptr;
+    std::uint64_t count = 0;
+    ASSERT_EQ(cullhull_intersect_halfspaces(&p, interior, nullptr, &vertices, &count), CULLHULL_OK);
+    EXPECT_EQ(std::vector<double>(vertices, vertices + 4 * count),
+              intersect_halfspaces(view, interior).vertices);
+    cullhull_free(vertices);
+  }
+  double* vertices = nullptr;
+  std::uint64_t count = 0;
+  const double outside[] = {0, 0, 0, 100};
+  EXPECT_EQ(cullhull_intersect_halfspaces(&p, outside, nullptr, &vertices, &count),
+            CULLHULL_INVALID_ARGUMENT);
+  EXPECT_EQ(vertices, nullptr);
+  EXPECT_NE(std::string(cullhull_last_error()).find("not strictly inside"), std::string::npos);
+  p.count = 1;  // unbounded
+  ASSERT_EQ(cullhull_intersect_halfspaces(&p, nullptr, nullptr, &vertices, &count), CULLHULL_OK);
+  EXPECT_EQ(count, 0U);
+  cullhull_free(vertices);
+  p.count = 0;
+  EXPECT_EQ(cullhull_intersect_halfspaces(&p, nullptr, nullptr, nullptr, &count),
+            CULLHULL_INVALID_ARGUMENT);
 }
 
 TEST(CInterface, TriangulationsAndDiagramsAreTheSame) {

@@ -33,7 +33,9 @@ static void hulls(const cullhull_points* p, const cullhull_options* o) {
   const uint64_t offsets[] = {0, 8, 9};
   const double centre[] = {0.5, 0.5, 0.5};
   const cullhull_points one = {sizeof one, centre, 1, 3, CULLHULL_F64, 0, 0};
+  cullhull_points halfspaces = {sizeof halfspaces, NULL, 6, 4, CULLHULL_F64, 0, 0};
   uint64_t *ids = NULL, count = 0, farthest = 0;
+  double* corners = NULL;
   int8_t side = 1;
   double distance = 0;
 
@@ -63,6 +65,12 @@ static void hulls(const cullhull_points* p, const cullhull_options* o) {
   OK(cullhull_cull(p, o, &ids, &count));
   CHECK(count >= 8 && count <= 9);
   cullhull_free(ids);
+
+  OK(cullhull_hull_get(hull, CULLHULL_HULL_PLANES, &array));
+  halfspaces.data = array.data;
+  OK(cullhull_intersect_halfspaces(&halfspaces, centre, o, &corners, &count));
+  CHECK(count == 8 && fabs(corners[0] * (1 - corners[0])) < 1e-15);
+  cullhull_free(corners);
 
   OK(cullhull_batch_new(p, offsets, 2, o, &batch));
   OK(cullhull_batch_get(batch, CULLHULL_BATCH_VOLUMES, &array));

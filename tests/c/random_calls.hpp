@@ -215,9 +215,16 @@ class Calls {
         return;
       }
       case 16: {
-        double distances[24];
+        double distances[24] = {};
         const cullhull_points p = points();
-        check(cullhull_query_signed_distances(one(queries_), &p, options(), distances));
+        double* vertices = nullptr;
+        std::uint64_t count = 0;
+        if (byte() % 2 == 0)
+          check(cullhull_query_signed_distances(one(queries_), &p, options(), distances));
+        else
+          check(cullhull_intersect_halfspaces(&p, byte() % 4 == 0 ? distances : nullptr, options(),
+                                              &vertices, &count));
+        cullhull_free(vertices);
         return;
       }
       case 17:

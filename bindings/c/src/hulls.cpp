@@ -3,6 +3,7 @@
 
 #include "boundary.hpp"
 #include "cullhull/extreme_points.hpp"
+#include "cullhull/halfspaces.hpp"
 
 using namespace cullhull;     // NOLINT: the functions of the header
 using namespace cullhull::c;  // NOLINT
@@ -105,6 +106,21 @@ cullhull_status cullhull_cull(const cullhull_points* points, const cullhull_opti
       for (std::uint64_t i = 0; i < p.count; ++i) left.ids[i] = i;
     }
     hand_over(left.ids, ids, count);
+  });
+}
+
+cullhull_status cullhull_intersect_halfspaces(const cullhull_points* halfspaces,
+                                              const double* interior,
+                                              const cullhull_options* options, double** vertices,
+                                              uint64_t* count) {
+  return guarded([&] {
+    wants(vertices);
+    wants(count);
+    const HalfspaceIntersection h =
+        intersect_halfspaces(view(halfspaces), interior, CallOptions(options).options);
+    *vertices = static_cast<double*>(
+        handed_over(h.vertices.data(), h.vertices.size() * sizeof(h.vertices[0])));
+    *count = h.vertices.size() / h.dimension;
   });
 }
 
