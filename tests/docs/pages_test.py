@@ -75,6 +75,8 @@ class Pages(unittest.TestCase):
         self.assertEqual(".".join(parts), version)
         cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.M)[1]
         self.assertEqual(cited, version)
+        package = (ROOT / "bindings" / "r" / "DESCRIPTION").read_text()
+        self.assertIn(f"\nVersion: {version}\n", package)
         self.assertIn(f"## [{version}]", (ROOT / "CHANGELOG.md").read_text())
         self.assertNotRegex((ROOT / "CMakeLists.txt").read_text(), r"project\(cullhull VERSION \d")
 

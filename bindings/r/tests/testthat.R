@@ -1,0 +1,3 @@
+library(testthat)
+library(cullhull)
+test_check("cullhull")
