@@ -8,11 +8,13 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 languages="rustc golang-go mono-mcs mono-runtime octave octave-dev"
 languages+=" r-base-dev r-cran-testthat nodejs"
+parts="-DCULLHULL_BUILD_APPS=OFF -DCULLHULL_BUILD_IO=OFF"
+parts+=" -DCULLHULL_WITH_MPI=OFF"  # of which Octave brings the libraries without the headers
 exec scripts/fresh-root.sh \
   "apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
     --no-install-recommends python3 $languages >/dev/null" \
   "scripts/install-deps.sh" \
-  "cmake --preset install -DCULLHULL_BUILD_APPS=OFF -DCULLHULL_BUILD_IO=OFF" \
+  "cmake --preset install $parts" \
   "cmake --build --preset install && cmake --install build/install --prefix /usr && ldconfig" \
   "python3 tests/docs/language_samples.py /usr/include /usr/lib --all" \
   "tests/r/check_package.sh bindings/r /usr/lib" \
