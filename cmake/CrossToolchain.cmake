@@ -1,8 +1,18 @@
-# Builds for another processor or for Windows with Debian's cross compilers, against the folder of
-# libraries that scripts/cross-check.sh or scripts/windows.sh makes, and runs what is built under
-# qemu or wine:
-#   -DCULLHULL_CROSS=aarch64|s390x|windows -DCULLHULL_CROSS_ROOT=FOLDER
+# Builds for another processor, for Windows or to WebAssembly with Debian's cross compilers, against
+# the folder of libraries that scripts/cross-check.sh, windows.sh or wasm.sh makes, and runs what is
+# built under qemu, wine or node:
+#   -DCULLHULL_CROSS=aarch64|s390x|windows|wasm -DCULLHULL_CROSS_ROOT=FOLDER
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_CROSS CULLHULL_CROSS_ROOT)
+if(CULLHULL_CROSS STREQUAL "wasm")
+  # WebAssembly's own exceptions and vectors, which every engine has since 2022 (node 17). Highway
+  # 1.0 has no vectors of doubles there: the compiler makes them of its loops.
+  string(JOIN " " CMAKE_CXX_FLAGS_INIT -fwasm-exceptions -msimd128 -DHWY_COMPILE_ONLY_EMU128
+    -include "${CMAKE_CURRENT_LIST_DIR}/wasm_std.hpp")
+  list(APPEND CMAKE_FIND_ROOT_PATH "${CULLHULL_CROSS_ROOT}")
+  set(THREADS_PREFER_PTHREAD_FLAG OFF)
+  include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
+  return()
+endif()
 if(CULLHULL_CROSS STREQUAL "windows")
   set(CMAKE_SYSTEM_NAME Windows)
   set(CMAKE_SYSTEM_PROCESSOR x86_64)

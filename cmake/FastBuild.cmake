@@ -7,9 +7,13 @@ function(cullhull_precompile target)
   if(NOT CULLHULL_FAST_BUILD)
     return()
   endif()
+  set(stop_token <stop_token>)
+  if(EMSCRIPTEN)  # whose C++ library has none (cullhull/stop_token.hpp)
+    set(stop_token)
+  endif()
   target_precompile_headers(${target} PRIVATE
     <algorithm> <array> <atomic> <bit> <cmath> <cstdint> <cstring> <functional> <limits> <memory>
-    <mutex> <numeric> <optional> <span> <stop_token> <string> <string_view> <thread> <vector>
+    <mutex> <numeric> <optional> <span> ${stop_token} <string> <string_view> <thread> <vector>
     ${ARGN})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_LAUNCHER)
     target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>")

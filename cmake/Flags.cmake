@@ -19,6 +19,9 @@ else()
     list(APPEND _exact -Wa,-muse-unaligned-vector-move)
   endif()
   set(_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+  if(EMSCRIPTEN)  # counts have 64 bits, sizes 32: allocations fail before a count is cut off
+    list(APPEND _warnings -Wno-shorten-64-to-32)
+  endif()
   set(_errors -Werror)
 endif()
 target_compile_options(cullhull_flags INTERFACE

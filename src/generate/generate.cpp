@@ -258,13 +258,13 @@ void check_dimension(const ShapeEntry& entry, std::uint32_t dimension) {
               dimension);
 }
 
-void check(const std::stop_token& stop) {
+void check(const stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
 }
 
 /// Resizes to `size` zeros in steps and checks for a request to stop between them: the system
 /// clears pages at only some gigabytes a second, so a large array takes a noticeable time.
-void resize_in_steps(std::vector<double>& values, std::size_t size, const std::stop_token& stop) {
+void resize_in_steps(std::vector<double>& values, std::size_t size, const stop_token& stop) {
   constexpr std::size_t step = std::size_t{1} << 22;
   values.reserve(size);
   while (values.size() < size) {
@@ -319,7 +319,7 @@ PointGenerator::~PointGenerator() = default;
 // Each run of points has a random stream of its own, so the length of a run is part of the
 // contract: another length would give other points.
 void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
-                          const std::stop_token& stop) const {
+                          const stop_token& stop) const {
   const GeneratorJob& job = impl_->job;
   if (first % run_length != 0 || first > job.count || count > job.count - first)
     throw Error(ErrorCode::invalid_argument, count, " points from point ", first, " on, of ",
@@ -338,7 +338,7 @@ void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
 namespace cullhull {
 
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
-                             std::uint64_t seed, const std::stop_token& stop) {
+                             std::uint64_t seed, const stop_token& stop) {
   const internal::PointGenerator generator(shape, count, dimension, seed);
   std::vector<double> points;
   resize_in_steps(points, count * dimension, stop);

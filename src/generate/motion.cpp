@@ -211,7 +211,7 @@ MovingPoints::MovingPoints(MovingPoints&&) noexcept = default;
 MovingPoints& MovingPoints::operator=(MovingPoints&&) noexcept = default;
 MovingPoints::~MovingPoints() = default;
 
-void MovingPoints::frame(std::uint64_t index, double* out, const std::stop_token& stop) const {
+void MovingPoints::frame(std::uint64_t index, double* out, const stop_token& stop) const {
   const Impl& m = *impl_;
   if (m.entry->move == nullptr) {
     m.teleport(index, out);

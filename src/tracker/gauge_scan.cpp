@@ -33,7 +33,7 @@ std::vector<std::uint64_t> mark_leaders(const std::vector<std::uint64_t>& surviv
   std::vector<std::vector<std::uint64_t>> lists(chunk_count(leaders.size(), grain));
   run.each_chunk(leaders.size(), grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    auto at = std::ranges::lower_bound(survivors, leaders[begin]);
+    auto at = std::lower_bound(survivors.begin(), survivors.end(), leaders[begin]);
     for (std::uint64_t i = begin; i < end; ++i) {
       while (at != survivors.end() && *at < leaders[i]) ++at;
       if (at != survivors.end() && *at == leaders[i])

@@ -195,7 +195,8 @@ std::optional<std::vector<Id>> vertices_first(const std::vector<std::uint64_t>& 
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t id = ids != nullptr ? ids[i] : i;
       if (i == begin)
-        v = static_cast<std::size_t>(std::ranges::lower_bound(vertices, id) - vertices.begin());
+        v = static_cast<std::size_t>(std::lower_bound(vertices.begin(), vertices.end(), id) -
+                                     vertices.begin());
       while (v < vertices.size() && vertices[v] < id) ++v;
       if (v < vertices.size() && vertices[v] == id)
         order[v++] = static_cast<Id>(i);
@@ -206,7 +207,8 @@ std::optional<std::vector<Id>> vertices_first(const std::vector<std::uint64_t>& 
   std::size_t at = vertices.size();
   for (const std::vector<Id>& some : others) {
     if (some.size() > count - at) return {};
-    at = static_cast<std::size_t>(std::ranges::copy(some, order.begin() + at).out - order.begin());
+    at = static_cast<std::size_t>(std::copy(some.begin(), some.end(), order.begin() + at) -
+                                  order.begin());
   }
   return at == count ? std::optional(std::move(order)) : std::nullopt;
 }

@@ -59,6 +59,8 @@ std::uint64_t addressable_memory() {
   status.dwLength = sizeof status;
   if (!GlobalMemoryStatusEx(&status)) return 0;
   return std::min<std::uint64_t>(status.ullTotalPhys, status.ullTotalVirtual);
+#elif defined(__EMSCRIPTEN__)
+  return std::uint64_t{1} << 32;
 #elif defined(_SC_PHYS_PAGES)
   const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
   if (pages <= 0 || size <= 0) return 0;
@@ -94,9 +96,13 @@ std::uint64_t group_memory_limit(const std::string& groups, const std::string& r
 }
 
 std::uint64_t machine_memory() {
+#if defined(__EMSCRIPTEN__)
+  return addressable_memory();  // there are no groups
+#else
   static const std::uint64_t bytes =
       std::min(addressable_memory(), group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
   return bytes;
+#endif
 }
 
 std::uint64_t resolve_budget(std::uint64_t requested) {

@@ -1,6 +1,7 @@
 #include "parallel/threads/fork_guard.hpp"
 
-#if defined(__unix__) || defined(__APPLE__)
+#if (defined(__unix__) || defined(__APPLE__)) && !defined(__EMSCRIPTEN__)
+#define CULLHULL_FORKS
 #include <pthread.h>
 #endif
 
@@ -20,7 +21,7 @@ class ForkGuards {
 
  private:
   static void handle_forks() {
-#if defined(__unix__) || defined(__APPLE__)
+#ifdef CULLHULL_FORKS
     pthread_atfork(
         [] {
       for (const ForkGuard* g = outer; g != nullptr; g = g->next_) g->lock_();

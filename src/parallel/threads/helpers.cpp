@@ -125,6 +125,9 @@ class Helpers {
   };
 
   bool start_one() {
+#if defined(__EMSCRIPTEN__)
+    return false;
+#else
     try {
       keep_code();
       std::thread([this] { live(); }).detach();
@@ -133,6 +136,7 @@ class Helpers {
     }
     ++count_;
     return true;
+#endif
   }
 
   /// Adds `more`, modulo 2^32, so that it can be a negative number. Needs the lock.
@@ -189,6 +193,9 @@ const ForkGuard helpers_guard(
 }  // namespace
 
 unsigned machine_threads() {
+#if defined(__EMSCRIPTEN__)
+  return 1;  // modules are built without threads
+#else
   static const unsigned count = [] {
 #if defined(__linux__)
     // The processors that this process may use. hardware_concurrency() reads a file for those that
@@ -200,6 +207,7 @@ unsigned machine_threads() {
     return std::max(1U, std::thread::hardware_concurrency());
   }();
   return count;
+#endif
 }
 
 OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work) {

@@ -76,7 +76,7 @@ class Control {
   const Progress* progress_;
   const Poll* poll_;
   std::thread::id caller_;
-  std::stop_token stop_;
+  stop_token stop_;
 };
 
 /// The clock that measures durations.
