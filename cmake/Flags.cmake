@@ -20,7 +20,7 @@ else()
   endif()
   set(_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
   if(EMSCRIPTEN)  # counts have 64 bits, sizes 32: allocations fail before a count is cut off
-    list(APPEND _warnings -Wno-shorten-64-to-32)
+    list(APPEND _warnings -Wno-shorten-64-to-32 -Wno-c++11-narrowing)
   endif()
   set(_errors -Werror)
 endif()

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <charconv>
 
 namespace std {
 
@@ -57,5 +58,12 @@ bool equal(const Range& a, const Other& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 }  // namespace ranges
+
+// Defined in src/io/text/wasm_charconv.cpp.
+from_chars_result from_chars(const char* first, const char* last, double& value);
+to_chars_result to_chars(char* first, char* last, double value, chars_format format);
+inline to_chars_result to_chars(char* first, char* last, double value) {
+  return to_chars(first, last, value, chars_format{});
+}
 
 }  // namespace std

@@ -1,7 +1,8 @@
 #include "signals.hpp"
 
 #include "parallel/windows.hpp"
-#if !defined(_WIN32)
+#if !defined(_WIN32) && !defined(__EMSCRIPTEN__)  // modules of WebAssembly get no signals
+#define CULLHULL_SIGNALS
 #include <pthread.h>
 #include <unistd.h>
 #endif
@@ -25,8 +26,8 @@ namespace {
 
 std::atomic<bool> stoppable{false};
 
-std::stop_source& source() {
-  static auto& instance = *new std::stop_source;  // outlives the watcher
+cullhull::stop_source& source() {
+  static auto& instance = *new cullhull::stop_source;  // outlives the watcher
   return instance;
 }
 
@@ -37,8 +38,9 @@ BOOL WINAPI on_control(DWORD) {
   source().request_stop();
   return TRUE;
 }
+#endif
 
-#else
+#ifdef CULLHULL_SIGNALS
 // A thread may lock and allocate, which a signal handler must not.
 void watch(sigset_t signals) {
   for (;;) {
@@ -68,9 +70,7 @@ void end_on_fault(int signal, siginfo_t* info, void*) {
   const auto which = std::find(std::begin(faults), std::end(faults), signal) - std::begin(faults);
   sigaction(signal, effects + which, nullptr);  // the access is repeated, and faults again
 }
-#endif
 
-#if !defined(_WIN32)
 // The reader of the results has ended, as head does: so does this program, without a message and
 // with the signal's own status. A closed standard error is no reason to end.
 void end_quietly(int) {
@@ -99,7 +99,7 @@ void end_on_exception() {
   std::abort();
 }
 
-#if !defined(_WIN32)
+#ifdef CULLHULL_SIGNALS
 /// A thread with a small stack, which suffices, and can be created where memory is short.
 void start_watcher(const sigset_t& signals) {
   static sigset_t watched;
@@ -128,7 +128,7 @@ void install_signals() {
 #if defined(_WIN32)
   source();
   SetConsoleCtrlHandler(on_control, TRUE);
-#else
+#elif defined(CULLHULL_SIGNALS)
   // Writing beyond a file size limit then fails, and is reported as an error.
   std::signal(SIGXFSZ, SIG_IGN);
   // Where SIGPIPE is ignored, as under trap '' PIPE, writing to a closed pipe fails, too.
@@ -148,7 +148,7 @@ void install_signals() {
 #endif
 }
 
-std::stop_token stop_token() { return source().get_token(); }
+cullhull::stop_token stop_token() { return source().get_token(); }
 
 void cancellable(const std::function<void()>& work) {
   struct Guard {

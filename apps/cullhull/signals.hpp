@@ -2,7 +2,8 @@
 #pragma once
 
 #include <functional>
-#include <stop_token>
+
+#include "cullhull/stop_token.hpp"
 
 namespace app {
 
@@ -12,7 +13,7 @@ namespace app {
 void install_signals();
 
 /// Stop is requested by the first SIGINT or SIGTERM that arrives during `cancellable`.
-std::stop_token stop_token();
+cullhull::stop_token stop_token();
 
 /// Runs `work`, which checks stop_token(): a first signal requests it to stop, a second one ends
 /// the program at once, as any signal does outside of this call. In both cases unfinished files are

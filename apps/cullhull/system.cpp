@@ -146,6 +146,9 @@ void open_if_closed(int fd) {
     // fail.
     (void)!::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
+#if defined(__EMSCRIPTEN__)
+void open_in_browser(const std::string&) {}  // a module starts no other program
+#else
 void open_in_browser(const std::string& path) {
 #if defined(__APPLE__)
   const char* const opener = "open";
@@ -167,6 +170,7 @@ void open_in_browser(const std::string& path) {
   (void)::posix_spawnp(&child, opener, &actions, nullptr, words, environ);  // none: no browser
   ::posix_spawn_file_actions_destroy(&actions);
 }
+#endif
 void wait_10_ms() { ::poll(nullptr, 0, 10); }
 void end(int status) { ::_exit(status); }
 

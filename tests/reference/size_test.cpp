@@ -22,9 +22,9 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/cuda", 5700},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4620}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8900},
     {"src/flow", 1640},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
-    {"src/io", 18555},   {"src/parallel", 2960}, {"src/query", 3490},    {"src/result", 7620},
+    {"src/io", 18635},   {"src/parallel", 2975}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 31975},
-    {"tests", 54315},    {"docs", 10510},        {"apps", 9525},         {"bench", 7560},
+    {"tests", 54315},    {"docs", 10510},        {"apps", 9535},         {"bench", 7560},
     {"viewer", 3430},    {"scripts", 4005},
 };
 

@@ -25,7 +25,7 @@ constexpr std::size_t head_bytes = std::size_t{1} << 20;
 /// Reads a descriptor from its present position.
 class FileBytes : public ByteStream {
  public:
-  FileBytes(std::string name, int fd, bool waits, std::stop_token stop)
+  FileBytes(std::string name, int fd, bool waits, stop_token stop)
       : name_(std::move(name)), fd_(fd), waits_(waits), stop_(std::move(stop)) {}
   std::size_t read(char* out, std::size_t size) override {
     std::size_t have = 0;
@@ -56,7 +56,7 @@ class FileBytes : public ByteStream {
   std::string name_;
   int fd_;
   bool waits_;
-  std::stop_token stop_;
+  stop_token stop_;
   std::uint64_t taken_ = 0;
 };
 
@@ -152,7 +152,7 @@ Descriptor::~Descriptor() {
 
 namespace {
 
-OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
+OpenedBytes open_file(const std::string& path, const stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;

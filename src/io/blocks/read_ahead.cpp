@@ -38,7 +38,7 @@ bool is_pipe(const std::string& path) {
          !system::is_folder(status);
 }
 
-bool read_ahead(const std::string& path, std::size_t most, const std::stop_token& stop) {
+bool read_ahead(const std::string& path, std::size_t most, const stop_token& stop) {
   Waiting& all = waiting();
   const std::lock_guard lock(all.mutex);
   const auto found = all.pipes.find(path);

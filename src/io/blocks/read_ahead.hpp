@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -23,7 +22,7 @@ bool is_pipe(const std::string& path);
 /// Reads the first `most` bytes of a pipe, or all if there are fewer, and keeps them for
 /// take_read_ahead(). Returns whether there were so many. Throws Error{io}, and Error{cancelled} if
 /// a stop is requested while the pipe is idle.
-bool read_ahead(const std::string& path, std::size_t most, const std::stop_token& stop);
+bool read_ahead(const std::string& path, std::size_t most, const stop_token& stop);
 
 /// Hands over what was read ahead of this path; nothing if that was not asked for, or is taken.
 std::optional<ReadAhead> take_read_ahead(const std::string& path);

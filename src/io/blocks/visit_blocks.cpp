@@ -70,7 +70,7 @@ class Reading {
     std::vector<std::thread> threads = start();
     std::exception_ptr of_caller;
     try {
-      watch();
+      watch(threads.empty());
     } catch (...) {
       of_caller = std::current_exception();
       const std::lock_guard lock(mutex_);
@@ -98,21 +98,29 @@ class Reading {
     std::vector<std::thread> threads;
     working_ = readers;
     for (unsigned t = 0; t < readers; ++t) try {
-        threads.emplace_back([this] { work(); });
+        threads.emplace_back([this] { read_blocks(); });
       } catch (const std::system_error&) {  // as many threads as the system allows
-        if (threads.empty()) throw;
         const std::lock_guard lock(mutex_);
-        --working_;
+        if (working_ > 1 || !threads.empty()) --working_;
       }
     return threads;
   }
 
-  /// Reports progress, checks for cancellation and pauses, until the threads are done.
-  void watch() {
+  /// Reports progress, checks for cancellation and pauses, until the threads are done. Reads itself
+  /// where there are none.
+  void watch(bool alone) {
     Clock::time_point last_pause = Clock::now();
     const auto wait = std::chrono::milliseconds(50);
+    const auto ended = [&] { return working_ == 0; };
     std::unique_lock lock(mutex_);
-    while (!done_.wait_for(lock, wait, [&] { return working_ == 0; })) {
+    BlockMemory memory;
+    const auto read = [&] {
+      lock.unlock();
+      const bool more = read_block(memory);
+      lock.lock();
+      return more;
+    };
+    while (alone ? read() : !done_.wait_for(lock, wait, ended)) {
       if (options_.read.stop.stop_requested()) {
         stop_ = cancelled_ = true;
         continue;
@@ -162,23 +170,34 @@ class Reading {
 
   // ----------------------------------------------------------------- threads that read
 
-  void work() {
+  void read_blocks() {
     BlockMemory memory;
-    for (Taken taken; take(taken, memory);) try {
-        LoadedBlock block = taken.task.load();
-        name(taken, block);
-        cut(taken, block);
-        visit(taken, block);
-        pass_on(taken);
-      } catch (const Dropped&) {
-        const std::lock_guard lock(mutex_);
-        leave();
-      } catch (...) {
-        note_error(taken.number);
-      }
-    const std::lock_guard lock(mutex_);
-    --working_;
-    done_.notify_all();
+    while (read_block(memory)) {
+    }
+  }
+
+  /// False where none is left.
+  bool read_block(BlockMemory& memory) {
+    Taken taken;
+    if (!take(taken, memory)) {
+      const std::lock_guard lock(mutex_);
+      --working_;
+      done_.notify_all();
+      return false;
+    }
+    try {
+      LoadedBlock block = taken.task.load();
+      name(taken, block);
+      cut(taken, block);
+      visit(taken, block);
+      pass_on(taken);
+    } catch (const Dropped&) {
+      const std::lock_guard lock(mutex_);
+      leave();
+    } catch (...) {
+      note_error(taken.number);
+    }
+    return true;
   }
 
   /// Gets the next block; false at the end, or when reading has to stop.

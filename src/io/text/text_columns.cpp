@@ -100,7 +100,8 @@ void ColumnLayout::parse(const char* begin, const char* end, double* out,
   for (std::string_view text; scanner.next(text); ++width) {
     if (width == key && key_text != nullptr) *key_text = text;
     if (width >= coordinate.size() || coordinate[width] == none) continue;
-    text = {skip_blanks(text.data(), text.data() + text.size()), text.data() + text.size()};
+    text.remove_prefix(static_cast<std::size_t>(
+        skip_blanks(text.data(), text.data() + text.size()) - text.data()));
     if (text.empty()) throw LineFault{name_of(width) + " is empty"};
     const char* p = text.data();
     const Scan scan = scan_number(p, p + text.size(), out[coordinate[width]], decimal);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "cullhull/point_view.hpp"
 #include "io/file_formats.hpp"
