@@ -2,6 +2,8 @@
 # Builds the documentation's site: scripts/docs-site.sh FOLDER PROGRAM. FOLDER/html is the site, PROGRAM
 # the built cullhull whose help becomes pages. Any warning is an error, and so is a broken local link.
 # CULLHULL_VENV: a virtual environment to use in the place of FOLDER/venv.
+# CULLHULL_MODULE: the folder of scripts/wasm-program.sh's module, which the page "Try it" runs;
+# without it that page says that it is missing.
 # Exit status 77: this machine cannot do it (no Doxygen, or no packages from PyPI).
 set -euo pipefail
 folder=$(realpath -m "${1:?usage: scripts/docs-site.sh FOLDER PROGRAM}")
@@ -19,4 +21,7 @@ mkdir -p "$folder/doxygen"
 "$python" scripts/docs_source.py "$program" "$folder/doxygen/xml" "$folder/source"
 "$python" -m sphinx -q -W --keep-going -b html -c docs \
   -d "$folder/doctrees" -D "breathe_projects.cullhull=$folder/doxygen/xml" "$folder/source" "$folder/html"
+if [[ -n ${CULLHULL_MODULE:-} ]]; then
+  cp "$CULLHULL_MODULE"/cullhull.{js,wasm} "$folder/html/_static/"
+fi
 "$python" scripts/check_links.py "$folder/html"

@@ -24,8 +24,8 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/flow", 1640},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
     {"src/io", 18635},   {"src/parallel", 2975}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 31975},
-    {"tests", 54315},    {"docs", 10510},        {"apps", 9535},         {"bench", 7560},
-    {"viewer", 3430},    {"scripts", 4005},
+    {"tests", 54405},    {"docs", 10655},        {"apps", 9535},         {"bench", 7560},
+    {"viewer", 3430},    {"scripts", 4055},
 };
 
 bool is_text(const fs::path& file) {
