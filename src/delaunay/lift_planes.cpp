@@ -90,7 +90,8 @@ void planes_of_block(const double* rows, const double* sizes, double* planes) {
 }  // namespace
 
 void planes_of_cells(unsigned k, const double* rows, const double* sizes, double* planes) {
-  with_dimension<2, 5, 6>(
+  constexpr unsigned most = plane_only ? 2 : 5;
+  with_dimension<2, most, most + !plane_only>(
       k, [&](auto dimension) { planes_of_block<dimension()>(rows, sizes, planes); });
 }
 

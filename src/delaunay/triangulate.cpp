@@ -184,9 +184,11 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   // The points' own memory is taken already; the rest of the budget is for the cells.
   const std::uint64_t held = p.points.count * bytes_per_point(points.dimension);
   const Run for_cells = run.with_budget(run.budget - std::min(held, run.budget - 1));
-  with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, for_cells); });
+  constexpr unsigned most = plane_only ? 2 : 6, beyond = plane_only ? 2 : 0;
+  with_dimension<1, most, beyond>(p.points.base,
+                                  [&](auto k) { insert_and_write<k()>(p, out, for_cells); });
   start = Clock::now();
-  if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
+  if (!plane_only && !weights.empty()) redundant = redundant_vertices(p.points, out, run);
   if (p.points.may_hide) out.hidden = hidden_points(out);
   statistics.write_seconds += seconds_since(start);
   return out;

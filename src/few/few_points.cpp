@@ -8,6 +8,7 @@
 #include "few/small_polygon.hpp"
 #include "filter/lattice/small_lattice.hpp"
 #include "filter/ways.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
@@ -80,8 +81,8 @@ bool find_small(const PointView& points, const Options& options, Statistics& sta
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
   return find_small(points, options, hull.statistics, [&] {
-    const bool found = points.dimension == 2   ? small_hull_2d(points, hull)
-                       : points.dimension == 3 ? small_hull_3d(points, hull)
+    const bool found = plane_only || points.dimension == 2 ? small_hull_2d(points, hull)
+                       : points.dimension == 3             ? small_hull_3d(points, hull)
                                                : hull_of_few(points, nullptr, points.count, hull);
     if (!found) return false;
     hull.dimension = points.dimension;

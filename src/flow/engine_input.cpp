@@ -7,6 +7,7 @@
 #include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -14,7 +15,7 @@ namespace {
 
 void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
   std::vector<std::uint32_t> kept;
-  if (!takes(Way::lattice, {.dimension = d, .count = input.count, .left = true}) ||
+  if (plane_only || !takes(Way::lattice, {.dimension = d, .count = input.count, .left = true}) ||
       !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, run, kept) ||
       kept.size() == input.count)
     return;

@@ -3,6 +3,7 @@
 #include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -38,6 +39,7 @@ Filtered run_filter(const PointView& points, const Run& run) {
   Filtered result;
   result.survivors.all = true;
   result.pass_survivors = points.count;
+  if (plane_only) return result;
   const WayQuestion q = way_question(points, run.options);
   if (takes(Way::pseudo_hull, q)) return run_pseudo_hull(points, run);
   if (takes(Way::outermost, q) && cull_by_outermost(points, run, result)) return result;

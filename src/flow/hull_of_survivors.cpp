@@ -11,6 +11,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"
+#include "parallel/dispatch.hpp"
 #include "result/build_hull.hpp"
 #include "result/write/write_polygon.hpp"
 #include "result/write/write_simplices.hpp"
@@ -21,7 +22,7 @@ namespace {
 Boundary run_engine(const LocalFrame& frame, const Run& run) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
-  if (points.dimension == 2) return hull_2d(points, run);
+  if (plane_only || points.dimension == 2) return hull_2d(points, run);
   return hull_nd(points, frame.simplex().data(), run);
 }
 
@@ -127,7 +128,7 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
       build_hull(from, std::move(boundary),
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
-    if (hull.affine_dimension == 3) {
+    if (!plane_only && hull.affine_dimension == 3) {
       std::optional<TriangleMesh> surface;
       if (known != nullptr)
         surface = hull_by_known(from, frame.simplex().data(), run, *known, hull);
@@ -170,7 +171,7 @@ Hull hull_of_lists(Filtered&& filtered, const PointView& rows, std::uint64_t cou
 
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        KnownHull* known) {
-  if (!filtered.triangles.empty()) {
+  if (!plane_only && !filtered.triangles.empty()) {
     const Survivors& s = filtered.survivors;
     if (filtered.rows.empty() && !s.all) gather_survivors(points, s.ids, filtered, run);
     const Array<double> rows = std::move(filtered.rows);
@@ -191,7 +192,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
-      !hull_few(points, filtered.survivors, run, hull))
+      (plane_only || !hull_few(points, filtered.survivors, run, hull)))
     hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;

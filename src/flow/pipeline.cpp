@@ -11,6 +11,7 @@
 #include "few/few_points.hpp"
 #include "filter/planner.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/run.hpp"
@@ -24,6 +25,7 @@ void check_arguments(const PointView& points, const Options& options) {
 }
 
 Filtered filter_and_plan(const PointView& points, Run& run) {
+  if constexpr (plane_only) return run_filter(points, run);
   const unsigned d = points.dimension;
   Filtered filtered =
       run_filter(points, run.with_threads(useful_cull_threads(run.threads, points.count, d)));

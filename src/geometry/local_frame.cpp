@@ -320,7 +320,7 @@ bool LocalFrame::independent(std::uint32_t candidate) {
   p.push_back(raw_.data() + std::size_t{candidate} * dimension_);
   const auto n = static_cast<unsigned>(p.size());
   // In many dimensions an exact rank takes less time than a plane.
-  return (n <= ranks_by_primes && surely_independent(dimension_, p.data(), n - 1)) ||
+  return (!plane_only && n <= ranks_by_primes && surely_independent(dimension_, p.data(), n - 1)) ||
          affine_rank_exact(dimension_, p.data(), n) == n - 1;
 }
 

@@ -9,9 +9,18 @@
 
 namespace cullhull::internal {
 
+/// Whether all calls are in the plane, of doubles and without weights, as in the smaller module of
+/// bindings/js: nothing else is linked then.
+#ifdef CULLHULL_PLANE_ONLY
+inline constexpr bool plane_only = true;
+#else
+inline constexpr bool plane_only = false;
+#endif
+
 /// Returns body(T()), T being the C++ type that `type` names.
 template <class Body>
 decltype(auto) with_scalar(ScalarType type, const Body& body) {
+  if constexpr (plane_only) return body(double());
   switch (type) {
     case ScalarType::f32:
       return body(float());

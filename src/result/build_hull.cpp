@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "result/boundary.hpp"
 #include "result/measures/measure.hpp"
@@ -35,7 +36,7 @@ void begin_hull(const ResultInput& input, unsigned k, const Run& run, Hull& hull
 void build_any(const ResultInput& input, Boundary&& surface, const Run& run, Hull& hull) {
   const LocalPoints& local = *input.local;
   sort_simplices(surface, local, run);
-  if (surface.dimension >= 4 && surface.dimension <= 8 &&
+  if (!plane_only && surface.dimension >= 4 && surface.dimension <= 8 &&
       surface.dimension == input.view->dimension) {
     VertexList vertices = list_vertices(surface, local.count, input.ids, run);
     const Frame frame = make_frame(*input.view, vertices.ids, input.axes, surface.dimension, run);
@@ -46,7 +47,7 @@ void build_any(const ResultInput& input, Boundary&& surface, const Run& run, Hul
   }
   run.report("merge", 0);
   CoplanarPairs pairs;
-  if (surface.dimension > 1)
+  if (!plane_only && surface.dimension > 1)
     pairs = coplanar_pairs(surface, local, run, hull.statistics.rung_counts);
   const OrderedFacets assembled =
       order_facets(input, merge_coplanar(std::move(surface), pairs, local, run), run, hull);

@@ -4,6 +4,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
 #include "parallel/threads/run.hpp"
 #include "result/boundary.hpp"
@@ -288,7 +289,7 @@ class Merger {
 
 Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
                       const Run& run) {
-  if (pairs.empty()) {
+  if (plane_only || pairs.empty()) {
     Facets out;
     out.singles = surface.facet_count();
     out.surface = std::move(surface);

@@ -49,7 +49,8 @@ bool determinant_128(const Rows& a, Sign& sign) {
 
 template <class Rows>
 bool determinant_128(const Rows& a, Sign& sign) {
-  return a.narrow() && with_dimension<2, 8, 0>(a.columns(), [&](auto k) {
+  constexpr unsigned most = plane_only ? 4 : 8;
+  return a.narrow() && with_dimension<2, most, 0>(a.columns(), [&](auto k) {
            if constexpr (k > 0) return determinant_128<k>(a, sign);
            return false;
          });

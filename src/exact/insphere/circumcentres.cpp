@@ -176,13 +176,16 @@ void radii_of_block(const double* corners, std::size_t cells, double* radii) {
 
 }  // namespace
 
+constexpr unsigned most_known = plane_only ? 2 : 5;
+
 void centres_of_cells(unsigned k, bool weighted, const double* corners, std::size_t cells,
                       double* centres) {
-  with_dimension<1, 5, 6>(
+  with_dimension<1, most_known, most_known + !plane_only>(
       k, [&](auto d) { centres_of_block<d()>(weighted, corners, cells, centres); });
 }
 void radii_of_cells(unsigned k, const double* corners, std::size_t cells, double* radii) {
-  with_dimension<1, 5, 6>(k, [&](auto d) { radii_of_block<d()>(corners, cells, radii); });
+  with_dimension<1, most_known, most_known + !plane_only>(
+      k, [&](auto d) { radii_of_block<d()>(corners, cells, radii); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE

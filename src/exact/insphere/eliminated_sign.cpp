@@ -124,7 +124,7 @@ bool regular(unsigned size, const double* m, double* x) {
 }  // namespace
 
 bool eliminated_sign(unsigned n, double* m, double* doubt, Sign& sign) {
-  if (n == 0 || n > largest_size) return false;
+  if (plane_only || n == 0 || n > largest_size) return false;
   return with_dimension<7, 10, 0>(n, [&](auto size) {
     if (!scale_columns<size()>(n, m, doubt)) return false;
     sign = eliminate<size()>(n, m, doubt);

@@ -83,7 +83,8 @@ Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double
 }
 
 Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, const double* p) {
-  return with_dimension<2, 6, 0>(s.base, [&](auto k) {
+  constexpr unsigned most = plane_only ? 2 : 6;
+  return with_dimension<2, most, 0>(s.base, [&](auto k) {
     if constexpr (k() == 0) {
       return Sign::zero;
     } else {

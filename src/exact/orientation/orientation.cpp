@@ -71,7 +71,8 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
     sign = sign_of(p[1][0] < p[0][0] ? -1 : p[1][0] > p[0][0] ? 1 : 0);  // exact
     return true;
   }
-  return with_dimension<2, 6, 0>(d, [&](auto k) {
+  constexpr unsigned most = plane_only ? 2 : 6;
+  return with_dimension<2, most, 0>(d, [&](auto k) {
     if constexpr (k > 0) return filtered<k>(p, sign);
     return false;
   });
@@ -142,7 +143,7 @@ bool narrow_plane(const Differences& a, double* normal) {
 
 Sign orientation_exact(unsigned d, const double* const* p) {
   const Differences rows(d, p, d);
-  if (d < signs_by_primes) return determinant_sign(rows);
+  if (plane_only || d < signs_by_primes) return determinant_sign(rows);
   BigNumbers& m = kept_numbers(std::size_t{d} * d + 1);
   for (unsigned i = 0; i < d; ++i)
     for (unsigned j = 0; j < d; ++j)
@@ -218,7 +219,7 @@ Sign eliminated_once(unsigned d, const double* const* p, Rung* rung) {
 
 /// Computes the sign by rung 2 with elimination, then by rung 3 with cofactors.
 Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
-  if (d >= signs_by_primes) return eliminated_once(d, p, rung);
+  if (!plane_only && d >= signs_by_primes) return eliminated_once(d, p, rung);
   thread_local OrientedPlane plane;
   plane.set(d, p);
   return plane.side(p[d], rung);
@@ -227,12 +228,12 @@ Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
 }  // namespace
 
 Sign orientation(unsigned d, const double* const* p, Rung* rung) {
-  if (d >= elimination_pays) return eliminated(d, p, rung);
+  if (!plane_only && d >= elimination_pays) return eliminated(d, p, rung);
   Sign sign = Sign::zero;
   if (rung != nullptr) *rung = Rung::filter;
   if (filtered(d, p, sign)) return sign;
   if (rung != nullptr) *rung = Rung::exact;
-  if (d < 4) return orientation_exact(d, p);
+  if (plane_only || d < 4) return orientation_exact(d, p);
   // 128-bit integers are fastest if they suffice, double-doubles where integers would be long.
   if (determinant_128(Differences(d, p, d), sign)) return sign;
   return eliminated(d, p, rung);
@@ -248,8 +249,9 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
       a.big(i, j, m[std::size_t{i} * d + j], m[std::size_t{rows} * d]);
   // Columns from left to right: the pivots are those of the row echelon form, which depend on the
   // flat alone, not on the points that span it.
-  return std::min(rows, d) >= ranks_by_primes ? rank_by_primes(m, rows, d, columns)
-                                              : echelon_form(m, rows, d, false, columns);
+  return !plane_only && std::min(rows, d) >= ranks_by_primes
+             ? rank_by_primes(m, rows, d, columns)
+             : echelon_form(m, rows, d, false, columns);
 }
 
 bool plane_exact(unsigned d, const double* const* p, double* normal) {

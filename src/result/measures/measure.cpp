@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "exact/planes/elimination.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -462,6 +463,7 @@ namespace {
 
 void measure_in_frame(const Frame& frame, const std::vector<std::uint32_t>& vertex_index,
                       const Run& run, Hull& hull, bool thin) {
+  if constexpr (plane_only) return measure_all<2>(frame, vertex_index, run, hull, thin);
   using Measure =
       void (*)(const Frame&, const std::vector<std::uint32_t>&, const Run&, Hull&, bool);
   static constexpr Measure of_dimension[] = {measure_all<0>, measure_all<0>, measure_all<2>,
@@ -478,7 +480,7 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
   const auto k = static_cast<unsigned>(hull.affine_dimension);
   hull.facet_planes.clear();
   hull.centroid.clear();
-  if (k > measured_as_sum && vertices.size() == k + 1)
+  if (!plane_only && k > measured_as_sum && vertices.size() == k + 1)
     return measure_simplex(make_unscaled_frame(points, vertices, k), vertex_index, run, hull);
   const Frame frame = make_frame(points, vertices, axes, k, run);
   if (k == 1)
