@@ -7,7 +7,7 @@ FAST := -DCULLHULL_FAST_BUILD=ON
 SUITES :=
 
 .PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static \
-  artifacts macos windows
+  artifacts macos windows js
 .NOTPARALLEL:
 
 help:
@@ -25,6 +25,7 @@ help:
 	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
 	@echo "make macos    library and program linked for macOS, in build/macos/ (not run)"
 	@echo "make windows  program, DLL and wheel for Windows in build/windows/dist/, tested under wine"
+	@echo "make js       the npm package, WebAssembly and its JavaScript, in build/wasm/js/"
 	@echo "make fuzz     every fuzzer for FUZZ_SECONDS ($(FUZZ_SECONDS)) each"
 	@echo "make format   clang-format over our sources"
 	@echo "make clean    remove build/"
@@ -85,6 +86,10 @@ macos:
 windows:
 	@scripts/install-deps.sh build windows
 	JOBS=$(JOBS) scripts/windows.sh
+
+js:
+	@scripts/install-deps.sh build wasm
+	@JOBS=$(JOBS) scripts/wasm.sh
 
 fuzz:
 	@scripts/install-deps.sh build fuzz

@@ -3,7 +3,7 @@
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
 # Parts: build (always included), mpi, test (for make test), test-all, bench, docs, fuzz, format,
 # python, package (to build artifacts), roots (to check them), cross, zig (what scripts/zig.sh builds
-# libraries with), windows, interface. Does nothing where nothing is missing; else it says how much
+# libraries with), windows, wasm. Does nothing where nothing is missing; else it says how much
 # it will fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
@@ -30,8 +30,7 @@ zig=(llvm m4 make curl bzip2 xz-utils python3 python3-venv)
 # 170 MB to fetch, 1.1 GB on disk.
 windows=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine64 wine libgtest-dev
   debian-archive-keyring python3)
-# The public headers for WebAssembly.
-interface=(emscripten python3)
+wasm=(emscripten node-acorn make debian-archive-keyring python3)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -50,9 +49,9 @@ for part in "$@"; do
     cross) wanted+=("${cross[@]}") ;;
     zig) wanted+=("${zig[@]}") ;;
     windows) wanted+=("${windows[@]}") ;;
-    interface) wanted+=("${interface[@]}") ;;
+    wasm) wanted+=("${wasm[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross zig windows interface" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross zig windows wasm" >&2
       exit 2
       ;;
   esac
