@@ -89,7 +89,7 @@ windows:
 
 js:
 	@scripts/install-deps.sh build wasm
-	@JOBS=$(JOBS) scripts/wasm.sh
+	@JOBS=$(JOBS) scripts/wasm.sh js
 
 fuzz:
 	@scripts/install-deps.sh build fuzz

@@ -2,7 +2,7 @@
 # Builds the documentation's site: scripts/docs-site.sh FOLDER PROGRAM. FOLDER/html is the site, PROGRAM
 # the built cullhull whose help becomes pages. Any warning is an error, and so is a broken local link.
 # CULLHULL_VENV: a virtual environment to use in the place of FOLDER/venv.
-# CULLHULL_MODULE: the folder of scripts/wasm-program.sh's module, which the page "Try it" runs;
+# CULLHULL_MODULE: the folder of scripts/wasm.sh's program, which the page "Try it" runs;
 # without it that page says that it is missing.
 # Exit status 77: this machine cannot do it (no Doxygen, or no packages from PyPI).
 set -euo pipefail

@@ -1,4 +1,4 @@
-// Runs the program, compiled to WebAssembly (scripts/wasm-program.sh), on files of the user's: one worker for
+// Runs the program, compiled to WebAssembly (scripts/wasm.sh), on files of the user's: one worker for
 // each run, which can be ended at any time. The page that `cullhull view` writes is shown in a frame
 // without an origin. Nothing leaves the browser: the policy below allows one request, the module's.
 "use strict";

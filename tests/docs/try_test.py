@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""try_test.py MODULE CULLHULL: the program as a module of WebAssembly (scripts/wasm-program.sh, whose
-folder is MODULE) beside this system's: under node the same bytes, and in Chromium, on the page where
+"""try_test.py MODULE CULLHULL: the program as a module of WebAssembly (scripts/wasm.sh, whose
+build/wasm/program is MODULE) beside this system's: under node the same bytes, and in Chromium, on the page where
 files are dropped, the same figures. Exit status 77: no module was built here, or no node or browser."""
 
 import functools
@@ -175,7 +175,7 @@ class Page(Folder):
 
 if __name__ == "__main__":
     if not (MODULE / "cullhull.wasm").exists() or shutil.which("node") is None:
-        print("try_test: no module (scripts/wasm-program.sh), or no node")
+        print("try_test: no module (scripts/wasm.sh), or no node")
         sys.exit(77)
     browser_module.require()
     unittest.main(argv=sys.argv[:1] + sys.argv[3:])

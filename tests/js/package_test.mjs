@@ -17,9 +17,10 @@ const random = () => (state = (Math.imul(state, 1103515245) + 12345) >>> 0) / 2 
 const make = (count, of) => Float64Array.from({ length: count }, (_, i) => of(i));
 const rows = (count, of) => Float64Array.from(Array.from({ length: count }, (_, i) => of(i)).flat());
 
-// delaunator's issues: 13 has rings around one centre, 43 and 44 points on lines up to rounding, 61
-// coordinates so far apart that differences are lost.
+// In the manner of delaunator's issues: 13 has rings around one centre, 43 and 44 points on lines up
+// to rounding, 61 is a tilted grid.
 const ring = (n, r) => rows(n, i => [r * Math.cos(2 * Math.PI * i / n), r * Math.sin(2 * Math.PI * i / n)]);
+const tilted = (x, y, a) => [x * Math.cos(a) - y * Math.sin(a), x * Math.sin(a) + y * Math.cos(a)];
 const plane_sets = {
   0: [], 1: [3, 4], 2: [0, 1, 2, 3], 3: [0, 0, 0, 1, 1, 0],
   10: make(20, random), 1000: make(2000, random), 100000: make(200000, random),
@@ -30,7 +31,8 @@ const plane_sets = {
   issue13: Float64Array.from([4, 3, 2, 1].flatMap(r => [...ring(24, r)])),
   issue43: rows(40, i => [-537.7739674441619 + i * 42.24, -122.26130468750004 - i * 61.13065234375]),
   issue44: rows(300, i => i % 30 ? [8 + 3 * random(), 11828 + 40 * random()] : [17802.1 + i, 14771.8]),
-  issue61: rows(200, i => [1e17 + i * 16, (i * 7919 % 200) * 2 ** -30]),
+  far: rows(200, i => [1e17 + i * 16, (i * 7919 % 200) * 2 ** -30]),
+  issue61: rows(2500, i => tilted(i % 50, Math.floor(i / 50), 302.328 * Math.PI / 180)),
 };
 const space_sets = {
   0: [], 1: [1, 2, 3], 2: [0, 0, 0, 1, 1, 1], 3: make(9, random), 10: make(30, random),

@@ -2,7 +2,7 @@
 # run.sh PROGRAMS: builds the npm package, tests it and runs the sample of its page. 77: not possible.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-JOBS=2 scripts/wasm.sh
+JOBS=2 scripts/wasm.sh js
 node --expose-gc tests/js/package_test.mjs build/wasm/js "$1"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
