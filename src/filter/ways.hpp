@@ -52,6 +52,13 @@ struct WayRow {
 inline constexpr std::uint64_t most_of_engine = 0xFFFFFFFE, any_number = ~0ULL;
 inline constexpr std::uint64_t few_bytes = 1 << 22, few_bytes_nd = 1 << 23;
 
+/// Of points that are tested against all facets at once, in vectors; WebAssembly's are emulated.
+#if defined(__EMSCRIPTEN__)
+inline constexpr std::uint64_t few_most = 128, few_left = 128;
+#else
+inline constexpr std::uint64_t few_most = 1024, few_left = 2048;
+#endif
+
 /// Why these limits: ellipse: plane_filter.hpp. few_in_plane: with more than 2^20 points the passes
 /// of several threads over a map are faster. few_in_space: all points may be extreme, and each is
 /// tested against all of up to twice as many facets; with more points the engine's search is
@@ -68,9 +75,9 @@ inline constexpr WayRow ways[] = {
      "sorted chains of at most 8,192 points that are left"},
     {Way::small_lattice, "small lattice", 3, 3, 128, 1 << 22, 0, true, few_bytes,
      "of whole coordinates with few values, the ends of lines"},
-    {Way::few_in_space, "few in space", 3, 3, 4, 1024, 2048, true, few_bytes,
+    {Way::few_in_space, "few in space", 3, 3, 4, few_most, few_left, true, few_bytes,
      "tests each point against all facets at once"},
-    {Way::few_in_4d, "few in 4D", 4, 4, 5, 1024, 1024, true, few_bytes_nd,
+    {Way::few_in_4d, "few in 4D", 4, 4, 5, few_most, few_most, true, few_bytes_nd,
      "tests each point against all facets at once"},
     {Way::few_in_5d, "few in 5D", 5, 5, 6, 256, 256, true, few_bytes_nd,
      "tests each point against all facets at once"},
@@ -82,7 +89,7 @@ inline constexpr WayRow ways[] = {
      "tests each point against all facets at once"},
     {Way::pseudo_hull, "pseudo-hull", 2, 8, 4, any_number, 0, false, 0,
      "grows a surface from extreme points, as asked"},
-    {Way::outermost, "outermost", 3, 3, 1025, 1 << 16, 0, true, 0,
+    {Way::outermost, "outermost", 3, 3, few_most + 1, 1 << 16, 0, true, 0,
      "a map of the outermost points, if they are few"},
     {Way::gauge, "gauge map", 2, 6, 4, any_number, 0, false, 0,
      "a map of a sample, if the sample shows a gain"},

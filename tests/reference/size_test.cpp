@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::size_t> budgets = {
     {"include", 3715},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
     {"src/cuda", 5700},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
-    {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8900},
+    {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8910},
     {"src/flow", 1645},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
     {"src/io", 18655},   {"src/parallel", 2985}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 32830},
