@@ -230,12 +230,12 @@ TEST(IoLaz, StopsWithinAChunk) {
   ReadOptions options;
   const auto both = [&] {
     bytes.replace(30, 8, 8, '\0');
-    const auto points = error_of([&] {
+    const auto of_points = error_of([&] {
       decode_points(chunk, {{LazItem::bytes, 30, 2}}, rows, options);
     });
     std::memcpy(&bytes[30], &count, 4);
     std::memcpy(&bytes[34], &layer, 4);
-    return points + error_of([&] {
+    return of_points + error_of([&] {
              decode_layers(chunk, {{LazItem::point14, 30, 3}}, rows, options);
            });
   };

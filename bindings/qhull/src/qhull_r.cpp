@@ -99,6 +99,14 @@ int attempt(qhT* qh, const Step& step) {
   }
 }
 
+/// Calls body(facet) for the facets of a list and of a set, those that are good or all.
+void each_facet(qhT* qh, facetT* list, setT* facets, bool all, const auto& body) {
+  for (facetT* f = list; f != nullptr && f->next != nullptr; f = f->next)
+    if (all || f->good) body(f);
+  for (int i = 0; i < qh_setsize(qh, facets); ++i)
+    if (auto* const f = static_cast<facetT*>(facets->e[i].p); all || f->good) body(f);
+}
+
 void fault_ends(qhT* qh, int code) {
   if (code != qh_ERRnone) qh_errexit(qh, code, nullptr, nullptr);
 }
@@ -312,14 +320,6 @@ CULLHULL_QHULL int qh_setunique(qhT* qh, setT** set, void* item) {
   if (qh_setin(*set, item)) return 0;
   qh_setappend(qh, set, item);
   return 1;
-}
-
-/// Calls body(facet) for the facets of a list and of a set, those that are good or all.
-static void each_facet(qhT* qh, facetT* list, setT* facets, bool all, const auto& body) {
-  for (facetT* f = list; f != nullptr && f->next != nullptr; f = f->next)
-    if (all || f->good) body(f);
-  for (int i = 0; i < qh_setsize(qh, facets); ++i)
-    if (auto* const f = static_cast<facetT*>(facets->e[i].p); all || f->good) body(f);
 }
 
 CULLHULL_QHULL setT* qh_facetvertices(qhT* qh, facetT* facetlist, setT* facets, boolT allfacets) {
