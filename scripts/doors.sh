@@ -9,7 +9,6 @@ cd "$(dirname "$0")/.."
 languages="rustc golang-go mono-mcs mono-runtime octave octave-dev"
 languages+=" r-base-dev r-cran-testthat"
 parts="-DCULLHULL_BUILD_APPS=OFF -DCULLHULL_BUILD_IO=OFF"
-parts+=" -DCULLHULL_WITH_MPI=OFF"  # of which Octave brings the libraries without the headers
 exec scripts/fresh-root.sh \
   "apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
     --no-install-recommends python3 $languages >/dev/null" \
