@@ -75,6 +75,7 @@ class CellPlanes {
   }
   /// Marks cell c, a ghost for instance, as having no plane.
   void set_none(std::uint32_t c) {
+    std::fill_n(planes_[c].normal, K + 1, 0.0);  // read, though it decides nothing
     planes_[c].origin = 0;
     planes_[c].linear = ShortBound(std::numeric_limits<double>::infinity());
     planes_[c].square = ShortBound(0);
