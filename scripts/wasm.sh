@@ -12,7 +12,6 @@ cd "$(dirname "$0")/.."
 tree=$PWD/build/wasm
 root=$tree/root
 jobs=${JOBS:-$(nproc)}
-mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
 export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}  # of node-acorn, for a node that is not Debian's
 
 give_up() {
@@ -22,21 +21,13 @@ give_up() {
 
 # Numbers have some thousand bits: the algorithms for longer ones, most of GMP, are left out.
 make_libraries() {
-  local codename name long=()
+  local name long=()
   [[ -e $root/complete ]] && return
   [[ -z ${CULLHULL_NO_FETCH:-} ]] || give_up "no $root (scripts/wasm.sh libraries)"
   rm -rf "$root" "$tree/sources"
   mkdir -p "$root"/{include,lib/cmake/hwy,share/cmake} "$tree/sources"
   pushd "$tree/sources" >/dev/null
-  codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  "$OLDPWD/scripts/apt-fetch.sh" apt \
-    "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $codename main" \
-    source --download-only gmp zlib fmtlib || exit $?
-  for name in gmp zlib fmtlib; do
-    mkdir "$name" && tar xf "$name"_*.orig.tar.?z* -C "$name" --strip-components=1
-  done
-  # Debian leaves out GMP's manual, which its makefiles name.
-  mkdir -p gmp/doc && touch gmp/doc/Makefile.in
+  "$OLDPWD/scripts/debian-sources.sh" gmp zlib fmtlib || exit $?
   for name in MUL_TOOM22 DC_DIV_QR DC_DIVAPPR_Q DC_BDIV_QR DC_BDIV_Q HGCD GCD_DC \
     GCDEXT_DC; do long+=("-D${name}_THRESHOLD=MP_SIZE_T_MAX"); done
   long+=(-DMUL_TOOM22_THRESHOLD_LIMIT=30)

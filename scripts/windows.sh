@@ -20,7 +20,6 @@ sdk=$tree/cullhull-$version-windows-x86_64
 build=$tree/build
 dist=$tree/dist
 jobs=${JOBS:-$(nproc)}
-mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
 triplet=x86_64-w64-mingw32
 cross=("-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/CrossToolchain.cmake" -DCULLHULL_CROSS=windows
   "-DCULLHULL_CROSS_ROOT=$root" -DCMAKE_BUILD_TYPE=Release)
@@ -34,20 +33,12 @@ give_up() {
 }
 
 make_libraries() {
-  local codename name path
+  local name path
   [[ -e $root/complete ]] && return
   rm -rf "$root" "$tree/sources"
   mkdir -p "$root/include" "$root/lib/cmake/hwy" "$root/share/cmake" "$tree/sources"
   pushd "$tree/sources" >/dev/null
-  codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
-  "$OLDPWD/scripts/apt-fetch.sh" apt \
-    "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $codename main" \
-    source --download-only gmp libzstd fmtlib || exit $?
-  for name in gmp libzstd fmtlib; do
-    mkdir "$name" && tar xf "$name"_*.orig.tar.?z -C "$name" --strip-components=1
-  done
-  # Debian leaves out GMP's manual, which its makefiles name.
-  mkdir -p gmp/doc && touch gmp/doc/Makefile.in
+  "$OLDPWD/scripts/debian-sources.sh" gmp libzstd fmtlib || exit $?
   (cd gmp && ./configure --host=$triplet "CC=$triplet-gcc-posix" "--prefix=$root" \
     --disable-shared --enable-static &&
     make -j "$jobs" SUBDIRS="mpn mpz mpq mpf printf scanf rand" install) >gmp.log 2>&1
