@@ -10,7 +10,7 @@ as_points <- function(p, which = "first") {
 
 # Options of Qhull that ask for tolerances, or for what is always done here.
 needless <- c("Pp", "Qx", "Qbb", "Qz", "Qc", "Qcc", "Qi", "Qs", "Q0", "Q3", "Q8", "Q11", "Q12",
-              "Qa", "C-0", "Tc", "Tv", "Qt", "QJ")
+              "Qa", "C-0", "Tc", "Tv", "Tcv", "Qt", "QJ")
 
 # The words of both strings of options; TRUE asks for all `outputs`.
 qhull_words <- function(options, output.options, outputs, others = NULL) {
