@@ -10,6 +10,7 @@
 
 #include "extreme/hull_membership.hpp"
 #include "geometry/norm_order.hpp"
+#include "geometry/unflattened.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -41,7 +42,9 @@ std::vector<std::uint32_t> distinct(const LocalPoints& points, const Control& co
 
 }  // namespace
 
-std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run) {
+std::vector<std::uint32_t> extreme_ids(const LocalFrame& frame, const Run& run) {
+  const Unflattened unflattened(frame, run);
+  const LocalPoints& points = unflattened.points();
   constexpr std::uint64_t chunk = 32;
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, run.control)) present[i] = 1;

@@ -54,7 +54,7 @@ bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners
       inverse_[i * n + j] = at(i, n + j);
       size += std::abs(at(i, n + j));
     }
-    allowed_[i] = (n + 6) * unit_roundoff * size + 0x1p-1000;
+    allowed_[i] = ((n + 6) * unit_roundoff + points.coordinate_error) * size + 0x1p-1000;
     for (unsigned j = 0; j < n; ++j) {
       double product = i == j ? -1 : 0;
       for (unsigned k = 0; k < n; ++k) product += inverse_[i * n + k] * entry(k, j);
@@ -90,20 +90,17 @@ HullMembership::HullMembership(const LocalPoints& points, const Control& control
 
 bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
                             const PointColumns& working, std::vector<std::uint32_t>& useful) {
-  // Certificates are checked in the scaled coordinates if scaling was exact.
-  if (points_.exact == points_.coordinates) {
-    origin_ = points_.row(point);
-    if (in_known_simplex(point)) return true;
-    begin_with_last(point);
-    const bool warm = !corral_.empty();
-    Answer answer = search(point, others, working, useful);
-    if (answer == Answer::unknown && warm) {
-      corral_.clear();
-      weights_.clear();
-      answer = search(point, others, working, useful);
-    }
-    if (answer != Answer::unknown) return answer == Answer::inside;
+  origin_ = points_.row(point);
+  if (in_known_simplex(point)) return true;
+  begin_with_last(point);
+  const bool warm = !corral_.empty();
+  Answer answer = search(point, others, working, useful);
+  if (answer == Answer::unknown && warm) {
+    corral_.clear();
+    weights_.clear();
+    answer = search(point, others, working, useful);
   }
+  if (answer != Answer::unknown) return answer == Answer::inside;
   return inside_exact(points_, point, others.ids(), control_);
 }
 
@@ -192,7 +189,8 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
   size = 0;
   for (const double v : direction_) size += std::abs(v);
   // Bounds d products and sums of numbers of at most |v|, twice, and the difference.
-  const double bound = (2.0 * d_ + 6) * unit_roundoff * size + 0x1p-1000;
+  const double bound =
+      ((2.0 * d_ + 6) * unit_roundoff + 2 * points_.coordinate_error) * size + 0x1p-1000;
   against = farthest.id;
   if (farthest.least > bound) return Answer::separated;
   if (farthest.least < -bound) return Answer::unknown;
@@ -394,7 +392,8 @@ bool HullMembership::certain_inside(std::uint32_t point) const {
   return solves_without_negatives(a);
 }
 
-/// Returns the sign of direction_ . (q - point), exactly.
+/// Returns the sign of direction_ . (q - point), exactly; 0 may mean unknown if coordinates are not
+/// exact.
 int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   const double* x = points_.row(q);
   double sum = 0, size = 0;
@@ -404,6 +403,7 @@ int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
     size += std::abs(term);
   }
   const double bound = (d_ + 4.0) * unit_roundoff * size + 0x1p-1000;
+  if (points_.exact != points_.coordinates) return 0;
   if (sum > bound) return 1;
   if (sum < -bound) return -1;
   mpq_class exact;

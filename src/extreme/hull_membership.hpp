@@ -3,12 +3,13 @@
 //
 // Inside: p is a convex combination of the corral. Corners q of a simplex make the columns (q, 1)
 // of a matrix A; M is its inverse, as computed. Let R = I - M A, b = (p, 1), A lambda = b: then
-// lambda = M b + R lambda. With n = d + 1 and S_i = Sum_j |M_ij| each entry of R is computed
-// within (n + 6) u S_i + (n + 4) u, as |A| <= 1; so rho = Sum_i (max_j |R~_ij| + that) bounds the
-// 1-norm of R. If rho < 2^-11, A is not singular, |lambda|_1 <= |M b|_1 / (1 - rho), and |lambda_i
-// - (M b)_i| <= rho |lambda|_1 <= 2 rho |M b|_1. The computed mu is off from M b by at most (n + 1)
-// u S_i. So mu_i - (n + 6) u S_i > 1.0625 * 2 rho (|mu|_1 + 1) for all i proves all lambda_i > 0: p
-// is strictly inside. Where that fails: exact orientations of the corral's simplex with p in each
+// lambda = M b + R lambda. Coordinates are off by at most r, 0 but for images of nearly flat sets.
+// With n = d + 1 and S_i = Sum_j |M_ij| each entry of R is computed within ((n + 6) u + r) S_i + (n
+// + 4) u, as |A| <= 1; so rho = Sum_i (max_j |R~_ij| + that) bounds the 1-norm of R. If rho <
+// 2^-11, A is not singular, |lambda|_1 <= |M b|_1 / (1 - rho), and |lambda_i - (M b)_i| <= rho
+// |lambda|_1 <= 2 rho |M b|_1. The computed mu is off from M b by at most ((n + 1) u + r) S_i. So
+// mu_i - ((n + 6) u + r) S_i > 1.0625 * 2 rho (|mu|_1 + 1) for all i proves all lambda_i > 0: p is
+// strictly inside. Where that fails: exact orientations of the corral's simplex with p in each
 // corner's place, or a rational solution without a negative weight.
 //
 // Extreme: w*(q - p) > 0 for every other q. In f32 first, w being the direction rounded to f32: a
@@ -18,7 +19,8 @@
 // Boxes change nothing: a box's bound comes from the same rounded operations at the corner that is
 // least along w, and rounded products and sums are monotone, so it is at most every computed value
 // of its block. Else in double: w*q and w*p are each off by at most gamma_d Sum |w_j|, so
-// differences beyond (2 d + 6) u Sum |w_j| + 2^-1000 are certain, the others are computed exactly.
+// differences beyond ((2 d + 6) u + 2 r) Sum |w_j| + 2^-1000 are certain, the others are computed
+// exactly (not in images). In f32 the 2^-24 to spare covers r.
 // Where neither is proved, Bland's rule over the rationals decides; it always ends.
 #pragma once
 
@@ -36,7 +38,8 @@ namespace cullhull::internal {
 /// docs/exactness.md, "Extreme points without facets".
 class SimplexInverse {
  public:
-  /// Returns false if the simplex is too flat for doubles. Coordinates must be exact, |x| <= 1.
+  /// Returns false if the simplex is too flat for doubles. |x|
+  /// <= 1.
   bool set(const LocalPoints& points, const std::uint32_t* corners);
   /// Whether x is provably strictly inside.
   bool surely_inside(const double* x) const;

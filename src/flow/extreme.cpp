@@ -50,7 +50,7 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
       return extreme_rows(std::move(hull), points, run, rung_counts);
     }
     default: {
-      const std::vector<std::uint32_t> ids = extreme_ids(points, run);
+      const std::vector<std::uint32_t> ids = extreme_ids(frame, run);
       return {ids.begin(), ids.end()};
     }
   }

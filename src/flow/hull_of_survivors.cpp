@@ -10,6 +10,7 @@
 #include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
+#include "geometry/unflattened.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/dispatch.hpp"
 #include "result/build_hull.hpp"
@@ -23,7 +24,8 @@ Boundary run_engine(const LocalFrame& frame, const Run& run) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
   if (plane_only || points.dimension == 2) return hull_2d(points, run);
-  return hull_nd(points, frame.simplex().data(), run);
+  if (points.dimension > 8) return hull_nd(points, frame.simplex().data(), run);
+  return hull_nd(Unflattened(frame, run).points(), frame.simplex().data(), run);
 }
 
 /// Tells the way that found the hull; returns true.

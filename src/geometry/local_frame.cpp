@@ -276,6 +276,7 @@ void LocalFrame::find_simplex(const Array<double>& scaled, const Run& run) {
     remove_components<0>(r.data(), d, basis.data(), rank);
     const double norm = std::sqrt(remove_components<0>(r.data(), d, basis.data(), rank));
     for (unsigned j = 0; j < d; ++j) basis.push_back(norm > 0 ? r[j] / norm : 0);
+    thickness_ = std::min(thickness_, norm);
   }
   affine_dimension_ = static_cast<int>(simplex_.size()) - 1;
   if (affine_dimension_ == static_cast<int>(d)) {

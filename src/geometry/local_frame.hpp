@@ -27,6 +27,8 @@ class LocalFrame {
   const std::vector<unsigned>& axes() const { return axes_; }
   /// affine_dimension() + 1 affinely independent points.
   const std::vector<std::uint32_t>& simplex() const { return simplex_; }
+  /// The simplex's least distance, in doubles, of a vertex from the flat of those before it.
+  double thickness() const { return thickness_; }
   const LocalPoints& points() const { return points_; }
 
  private:
@@ -60,6 +62,7 @@ class LocalFrame {
   std::vector<Axis> frame_;
   std::vector<unsigned> axes_;
   std::vector<std::uint32_t> simplex_;
+  double thickness_ = 2;
   LocalPoints points_;
 };
 

@@ -133,4 +133,44 @@ TEST(FlatSets, OneUlpOffAFlatIsNoFlat) {
   }
 }
 
+/// Lattice points under shears that are exact in doubles and leave 2^-44 of one or two directions:
+/// the simplices are those of the lattice points, ties included.
+TEST(FlatSets, NearlyFlatLikeTheLatticeBeforeItsShear) {
+  for (const unsigned d : {4U, 5U, 6U, 8U})
+    for (const unsigned sheared : {1U, 2U})
+      for (const int side : {4, 15}) {
+        const PointSet lattice = random_grid(400 >> (d - 4), d, side, 0, d + sheared);
+        PointSet thin = lattice;
+        thin.name = "sheared " + lattice.name;
+        for (std::uint64_t i = 0; i < thin.count(); ++i)
+          for (unsigned j = 0; j < sheared; ++j) {
+            double* x = thin.coordinates.data() + i * d;
+            x[d - 1 - j] = x[j] + x[d - 1 - j] * 0x1p-44;
+          }
+        const Hull before = convex_hull(view_of(lattice));
+        const Hull after = expect_everywhere(thin, sorted_vertices(before), Paths::few);
+        EXPECT_TRUE(std::ranges::equal(after.simplices, before.simplices)) << thin.name;
+        EXPECT_TRUE(std::ranges::equal(after.simplex_neighbours, before.simplex_neighbours));
+        EXPECT_EQ(after.facet_count(), before.facet_count()) << thin.name;
+        EXPECT_EQ(extreme_points(view_of(thin)).ids, sorted_vertices(before)) << thin.name;
+      }
+}
+
+/// Shares that sum to 1 but for rounding: filters in doubles decide nearly all of their signs.
+TEST(FlatSets, SharesTakeFewExactSigns) {
+  for (const unsigned d : {4U, 5U, 6U}) {
+    PointSet shares = generated("gauss", 8000 >> (d - 4) * 2, d, 7);
+    for (std::uint64_t i = 0; i < shares.count(); ++i) {
+      double* x = shares.coordinates.data() + i * d;
+      double sum = 0;
+      for (unsigned j = 0; j < d; ++j) sum += x[j] = std::abs(x[j]);
+      for (unsigned j = 0; j < d; ++j) x[j] /= sum;
+    }
+    const Hull h = convex_hull(view_of(shares));
+    EXPECT_TRUE(certify(view_of(shares), h)) << d;
+    EXPECT_EQ(extreme_points(view_of(shares)).ids, sorted_vertices(h)) << d;
+    EXPECT_LT(h.statistics.rung_counts[2], h.facet_count() / 4) << d;
+  }
+}
+
 }  // namespace cullhull::testing_support::flat_sets_test

@@ -21,10 +21,10 @@ const std::map<std::string, std::size_t> budgets = {
     {"include", 3715},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
     {"src/cuda", 5700},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8910},
-    {"src/flow", 1645},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
+    {"src/flow", 1650},  {"src/generate", 660},  {"src/geometry", 1640}, {"src/hull", 6225},
     {"src/io", 18655},   {"src/parallel", 2985}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 32830},
-    {"tests", 54930},    {"docs", 10760},        {"apps", 9535},         {"bench", 7560},
+    {"tests", 54990},    {"docs", 10800},        {"apps", 9535},         {"bench", 7560},
     {"viewer", 3430},    {"scripts", 4130},
 };
 
@@ -106,7 +106,7 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 568U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 569U);
   EXPECT_LE(files_with(root / "include", header, type).second, 85U);
 }
 

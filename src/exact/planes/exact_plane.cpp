@@ -61,7 +61,7 @@ void ExactPlane::set(unsigned d, const double* const* p) {
   const Differences edges(d, p, m);
   matrix_.resize(std::size_t{m} * d + 1);
   normal_.resize(d);
-  scratch_.resize(2);
+  scratch_.resize(3);
   pivots_.resize(m);
   exponent_.resize(d);
   for (unsigned j = 0; j < d; ++j) exponent_[j] = edges.exponent(j);
@@ -108,16 +108,15 @@ ExactPlane::ScaledInteger ExactPlane::determinant(const double* x) {
     const int e = unit(double_parts(x[j]), double_parts(p_[0][j]));
     lowest = std::min(lowest, static_cast<long>(e) - exponent_[j]);
   }
-  mpz_ptr sum = scratch_[0], y = scratch_[1];
+  mpz_ptr sum = scratch_[0], y = scratch_[1], first = scratch_[2];
   mpz_set_ui(sum, 0);
   for (unsigned j = 0; j < d_; ++j) {
     if (x[j] == p_[0][j] || mpz_sgn(normal_[j]) == 0) continue;
     const DoubleParts a = double_parts(x[j]), b = double_parts(p_[0][j]);
     const int e = unit(a, b);
     set_in_units(y, b, e);
-    Big first;
-    set_in_units(first.value, a, e);
-    mpz_sub(y, first.value, y);
+    set_in_units(first, a, e);
+    mpz_sub(y, first, y);
     mpz_mul_2exp(y, y, static_cast<mp_bitcnt_t>(static_cast<long>(e) - exponent_[j] - lowest));
     mpz_addmul(sum, y, normal_[j]);
   }

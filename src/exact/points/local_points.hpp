@@ -19,12 +19,15 @@ namespace cullhull::internal {
 /// so that |x| <= 1; the hull's combinatorics do not change under such a map. `exact` equals
 /// `coordinates` unless scaling made something underflow (1e308 beside 1e-308): then `exact` points
 /// to the unscaled points, and `coordinates` is off by at most 2^-1074 per coordinate, which
-/// filters cover by an absolute term.
+/// filters cover by an absolute term. Only where it says so, `coordinates` may be an image.
 struct LocalPoints {
   unsigned dimension = 0;
   std::uint32_t count = 0;
   const double* coordinates = nullptr;
   const double* exact = nullptr;
+  /// More than underflow: `coordinates` are within this of an affine image of `exact`
+  /// (Unflattened).
+  double coordinate_error = 0;
   /// Every operation of a d x d determinant of differences is exact in doubles (small integer
   /// grids).
   bool small_lattice = false;

@@ -19,6 +19,10 @@
 // (N + d^2) u < 1/2, the second order is below u and
 //
 //   |N~_j - N_j| <= (N + 1) u Prod ~ + 2^-1000.
+//
+// Where points are off by r (Unflattened), so is O; entries of rows are off by 2 r, rows by e = 2 d
+// r in the 1-norm. That adds Prod (s_i + e) - Prod s_i to a cofactor, s_i being the norms, and 2 r
+// to x - O, here and at the apex.
 
 #include "hull/general/facet_planes.hpp"
 
@@ -111,12 +115,16 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
                      std::size_t lanes, std::size_t used, float* planes) {
   const F f;
   VF rows[D - 1][D];
-  VF norms = hn::Set(f, 1.0);
+  VF norms = hn::Set(f, 1.0), blur = hn::Zero(f);
   for (unsigned i = 0; i + 1 < D; ++i) {
     VF sum = hn::Zero(f);
     for (unsigned j = 0; j < D; ++j) {
       rows[i][j] = hn::Load(f, buffer + (i * D + j) * lanes);
       sum = hn::Add(sum, hn::Abs(rows[i][j]));
+    }
+    if (frame.row_error > 0) {
+      const VF e = hn::Set(f, 2 * D * frame.row_error);
+      blur = hn::MulAdd(blur, hn::Add(sum, e), hn::Mul(norms, e));
     }
     norms = hn::Mul(norms, sum);
   }
@@ -131,8 +139,11 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
     level = hn::MulAdd(normal[j], hn::Set(f, apex[j] - frame.centre[j]), level);
   }
   const VF magnitude = hn::Abs(level);
-  const VF wrong = hn::MulAdd(norms, hn::Set(f, PlaneBounds<D>::per_norm), hn::Set(f, 0x1p-990));
-  const VF bound = hn::MulAdd(size, hn::Set(f, PlaneBounds<D>::per_size), wrong);
+  const VF wrong =
+      hn::MulAdd(norms, hn::Set(f, PlaneBounds<D>::per_norm),
+                 hn::MulAdd(blur, hn::Set(f, PlaneBounds<D>::per_blur), hn::Set(f, 0x1p-990)));
+  const VF bound =
+      hn::MulAdd(size, hn::Set(f, PlaneBounds<D>::per_size + 4.25 * frame.row_error), wrong);
   const VF scale = hn::Div(hn::Set(f, 1.0), level);
   const VF absolute = hn::Abs(scale);
   const VF error =

@@ -18,6 +18,7 @@ struct PlaneFrame {
   const double* reach = nullptr;   ///< upper bound of |x - O| over all points, per axis
   double radius = 0;               ///< upper bound of the distance |x - O|; for plane_between()
   bool exact_rows = true;          ///< rows are the points themselves (no underflow in scaling)
+  double row_error = 0;            ///< more than underflow: LocalPoints::coordinate_error
 };
 
 /// Computes the planes of `count` facets that share the point `apex`, which is entry apex_slot[i]

@@ -38,8 +38,8 @@ class AnyPlanes {
     for (unsigned i = 0; i < d_; ++i) rows_[i] = frame_.rows + std::size_t{v[i]} * d_;
     // Rows that are not exact are off by at most 2^-1074. The terms for underflow cover that,
     // unless elimination scaled rows up by 2^50 or more.
-    const bool known =
-        plane_.set(d_, rows_.data()) && (frame_.exact_rows || plane_.largest_scale() < 0x1p50);
+    const bool known = frame_.row_error == 0 && plane_.set(d_, rows_.data()) &&
+                       (frame_.exact_rows || plane_.largest_scale() < 0x1p50);
     if (known && !sharp && scaled(false, out, wide) && wide[d_] <= loose) return;
     if (known && plane_.refine() && scaled(true, out, wide)) return;
     if (known && scaled(false, out, wide)) return;

@@ -203,8 +203,13 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
     std::copy_n(points.row(order_[i]), dim(), ordered_.data() + i * dim());
   choose_centre();
   measure_reach();
-  frame_ = {dim(),         ordered_.data(), centre_.data(),
-            reach_.data(), radius_,         points_.exact == points_.coordinates};
+  frame_ = {dim(),
+            ordered_.data(),
+            centre_.data(),
+            reach_.data(),
+            radius_,
+            points_.exact == points_.coordinates,
+            points_.coordinate_error};
 }
 
 /// Chooses O: the simplex's centroid, rounded to the fewest bits that keep it strictly inside, so

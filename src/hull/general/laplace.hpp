@@ -87,7 +87,8 @@ struct PlaneBounds {
   /// Error of a cofactor in units of the product of the rows' 1-norms.
   static constexpr double per_cofactor = (roundings() + 2) * unit_roundoff;
   /// a + b + (2 D + 6) u S = 4 T + (2 (D + 5) + (2 D + 2) + (2 D + 6)) u S with T = D per_cofactor.
-  static constexpr double per_norm = 1.0625 * 4 * D * per_cofactor;
+  static constexpr double per_blur = 1.0625 * 4 * D;
+  static constexpr double per_norm = per_blur * per_cofactor;
   static constexpr double per_size = 1.0625 * (6.0 * D + 18) * unit_roundoff;
   /// Error of rounding to f32 and of the dot product in f32.
   static constexpr double per_reach = (D + 3) * 0x1p-24 * (1 + 0x1p-10);
