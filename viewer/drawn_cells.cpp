@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "cullhull/alpha_shape.hpp"
 #include "viewer/hull_shape.hpp"
 
 namespace cullhull::viewer {
@@ -13,8 +14,12 @@ namespace {
 class Sampled {
  public:
   Sampled(const std::vector<double>& ids, const std::vector<double>& coordinates,
-          std::uint32_t dimension, const TriangulationOptions& options)
-      : order_(ids.size()), coordinates_(coordinates), dimension_(dimension), options_(options) {
+          std::uint32_t dimension, const TriangulationOptions& options, bool outline)
+      : order_(ids.size()),
+        coordinates_(coordinates),
+        dimension_(dimension),
+        options_(options),
+        outline_(outline) {
     std::iota(order_.begin(), order_.end(), 0U);
     std::sort(order_.begin(), order_.end(), [&](auto a, auto b) { return ids[a] < ids[b]; });
   }
@@ -27,11 +32,18 @@ class Sampled {
     for (const std::uint64_t i : chosen)
       for (std::uint32_t j = 0; j < dimension_; ++j)
         rows.push_back(coordinates_[std::uint64_t{order_[i]} * dimension_ + j]);
-    const Triangulation t =
-        delaunay(PointView::row_major(rows.data(), chosen.size(), dimension_), options_);
+    const PointView points = PointView::row_major(rows.data(), chosen.size(), dimension_);
+    const Triangulation t = delaunay(points, options_);
     DrawnCells cells{t.corners(), chosen.size(), {}};
-    cells.rows.reserve(t.cells.size());
-    for (const std::uint32_t v : t.cells) cells.rows.push_back(order_[chosen[v]]);
+    const auto add = [&](const auto& corners) {
+      for (const std::uint32_t v : corners) cells.rows.push_back(order_[chosen[v]]);
+    };
+    if (outline_) {
+      const double alpha = critical_alpha(points, t, true, options_);
+      for (const std::uint32_t c : alpha_shape(points, t, alpha, options_).cells) add(t.cell(c));
+    } else {
+      add(t.cells);
+    }
     return cells;
   }
 
@@ -40,14 +52,15 @@ class Sampled {
   const std::vector<double>& coordinates_;
   std::uint32_t dimension_;
   const TriangulationOptions& options_;
+  bool outline_;
 };
 
 }  // namespace
 
 DrawnCells drawn_cells(const std::vector<double>& ids, const std::vector<double>& coordinates,
                        std::uint32_t dimension, std::uint64_t most_corners,
-                       const TriangulationOptions& options) {
-  const Sampled points(ids, coordinates, dimension, options);
+                       const TriangulationOptions& options, bool outline) {
+  const Sampled points(ids, coordinates, dimension, options, outline);
   // The number of cells may grow as the square of the number of points. Therefore starts with few
   // points and adds more as long as the cells fit.
   std::uint64_t count = std::min<std::uint64_t>(points.size(), 256);

@@ -16,8 +16,9 @@ struct DrawnCells {
 
 /// The Delaunay triangulation of rows, which have ids[i] and `dimension` coordinates each; ties are
 /// broken by id. If it exceeds `most_corners` numbers, that of a uniform sample of the rows.
+/// `outline`: its cells in the alpha shape of one region.
 DrawnCells drawn_cells(const std::vector<double>& ids, const std::vector<double>& coordinates,
                        std::uint32_t dimension, std::uint64_t most_corners,
-                       const TriangulationOptions& options);
+                       const TriangulationOptions& options, bool outline);
 
 }  // namespace cullhull::viewer

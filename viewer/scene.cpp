@@ -169,9 +169,10 @@ void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& j
 void Scene::write_cells(const SceneFrame& frame, const std::vector<double>& ids,
                         const std::vector<double>& coordinates, std::string& json) {
   const DrawnCells cells =
-      drawn_cells(ids, coordinates, axes_, cell_bytes() / 4, *frame.triangulate);
+      drawn_cells(ids, coordinates, axes_, cell_bytes() / 4, *frame.triangulate, frame.outline);
   json += member("cell_corners", cells.corners);
   json += member("cell_points", cells.points);
+  if (frame.outline) json += "\"outline\":true,";
   json += indices("cells", cells.rows, ids.size());
 }
 

@@ -34,6 +34,7 @@ struct SceneFrame {
   const Survivors* survivors = nullptr;
   /// How to triangulate the points that are drawn, in 2D and 3D; null: no cells.
   const TriangulationOptions* triangulate = nullptr;
+  bool outline = false;  ///< only the cells of the alpha shape of one region, and their boundary
   /// A JSON object: the figures to show (hull_to_json).
   std::string report;
 };

@@ -68,6 +68,7 @@ struct ViewArguments {
   std::string output;
   std::string json;
   bool cells = false;
+  bool outline = false;
   bool frames = false;
   bool no_open = false;
   std::vector<std::string> files;  ///< the files that the input's words stand for
@@ -76,10 +77,10 @@ struct ViewArguments {
   std::string only_word() const { return input.words.size() == 1 ? input.words[0] : ""; }
   std::string title() const;
 
-  /// Options of the triangulation of `--delaunay`; nothing without it.
+  /// Options of the triangulation of `--delaunay` and `--outline`; nothing without them.
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
-    if (!cells) return std::nullopt;
+    if (!cells && !outline) return std::nullopt;
     return cullhull::options_as<cullhull::TriangulationOptions>(given);
   }
 };
@@ -188,11 +189,13 @@ SceneFrame skipping(const Input& input) {
   return frame;
 }
 
-void add_frame(const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
-               const cullhull::Survivors& survivors, const std::string& report,
-               const std::optional<cullhull::TriangulationOptions>& triangulation, Scene& scene,
-               SceneFrame frame = {}) {
+void add_frame(const ViewArguments& arguments, const cullhull::Options& options,
+               const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
+               const cullhull::Survivors& survivors, const std::string& report, Scene& scene,
+               SceneFrame frame) {
+  const auto triangulation = arguments.triangulation(options);
   if (triangulation && points.count > 0) frame.triangulate = &*triangulation;
+  frame.outline = arguments.outline;
   frame.index = index;
   frame.hull = &hull;
   frame.vertex_rows = cullhull::viewer::vertex_rows(points, hull);
@@ -269,8 +272,8 @@ Written view_input(const ViewArguments& arguments, Input& input, const cullhull:
     extras.attributes = las.fields.points;
     extras.attribute_names = las.names;
   }
-  add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
-            arguments.triangulation(options), scene, std::move(extras));
+  add_frame(arguments, options, input.points, 0, computed.hull, computed.survivors, computed.report,
+            scene, std::move(extras));
   return {scene.page(), computed.report};
 }
 
@@ -360,8 +363,8 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
       const Computed computed =
           naming_file(sequence.name(), [&] { return compute(input, read, options); });
       chosen.add(computed.report);
-      add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
-                arguments.triangulation(options), scene, skipping(input));
+      add_frame(arguments, options, input.points, 0, computed.hull, computed.survivors,
+                computed.report, scene, skipping(input));
       continue;
     }
     input.fill_skipped();
@@ -371,8 +374,8 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     const std::string report =
         with_placing(tracked_report(tracker, hull, read), input.placing, drawn);
     chosen.add(report);
-    add_frame(drawn, sequence.index(), hull, tracker.survivors(), report,
-              arguments.triangulation(options), scene, skipping(input));
+    add_frame(arguments, options, drawn, sequence.index(), hull, tracker.survivors(), report, scene,
+              skipping(input));
   }
   return {scene.page(), chosen.report()};
 }
@@ -407,6 +410,8 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
 }
 
 int run(ViewArguments arguments) {
+  if (arguments.cells && arguments.outline)
+    throw Error(ErrorCode::invalid_argument, "--delaunay and --outline exclude one another");
   if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // throws its reason, before the work
   arguments.files = arguments.input.find_files();
   const bool beside = arguments.output.empty();
@@ -421,8 +426,9 @@ int run(ViewArguments arguments) {
     TerminalProgress progress(arguments.run.quiet);
     options.progress = progress.callback();
     const bool hulls = are_hulls(arguments);
-    if (arguments.cells && hulls)
-      throw Error(ErrorCode::invalid_argument, "--delaunay: ", arguments.input.path,
+    if ((arguments.cells || arguments.outline) && hulls)
+      throw Error(ErrorCode::invalid_argument,
+                  arguments.outline ? "--outline: " : "--delaunay: ", arguments.input.path,
                   " is a hull, without its points");
     if (!hulls && !is_sequence(arguments))
       written = view_points(arguments, options);
@@ -457,6 +463,8 @@ Command add_view(Parser& parent) {
   command.add_flag("--delaunay", a->cells,
                    "Also show the cells of the Delaunay triangulation: in 2D all of\n"
                    "them, in 3D those that the clipping plane cuts");
+  command.add_flag("--outline", a->outline,
+                   "Instead show the outline (alpha shape of one region) and its cells");
   add_json_option(command, a->json, "Report the figures of the page");
   a->run.add_to(command, true);
   command.footer(std::string(input_footer) + "\n\n" + help);

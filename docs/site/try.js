@@ -79,7 +79,7 @@ async function run(command, output, then) {
 function show() {
   at("page").srcdoc = "";
   const began = performance.now();
-  run(["view", "-q", ...(at("cells").checked ? ["--delaunay"] : [])], "page.html", bytes => {
+  run(["view", "-q", ...[at("cells").value].filter(word => word)], "page.html", bytes => {
     at("page").srcdoc = new TextDecoder().decode(bytes);
     return `${files.map(file => file.name).join(", ")}: ${((performance.now() - began) / 1000).toFixed(1)} s`;
   });

@@ -148,6 +148,19 @@ class Page(Folder):
                 self.assertEqual(value, whole, f"{name}: {key}")
         self.assertEqual(set(self.asked), {"/try.html", "/try.js", "/cullhull.js", "/cullhull.wasm"})
 
+    def test_an_outline(self):
+        self.native("hull", "disk.csv", "-q", "-o", "corners.geojson")
+        self.choose("corners.geojson")
+        self.ended()
+        self.browser.run("document.getElementById('cells').value = '--outline'; document.getElementById('again').click()")
+        self.assertRegex(self.ended(), "^corners.geojson: [0-9.]+ s$")
+        self.assertIn("vertex_count", self.figures())
+        self.driver.switch_to.frame("page")
+        self.addCleanup(self.driver.switch_to.default_content)
+        cells, edges, lines = self.browser.run("""return [viewer.frame.cells.length, viewer.frame.edges.length / 2,
+            viewer.stage.parts.cellEdges.geometry.attributes.position.count / 2]""")
+        self.assertTrue(cells > 0 and edges <= lines < cells, (cells, edges, lines))
+
     def test_a_drop(self):
         self.driver.get(self.address)
         self.browser.run("""const files = new DataTransfer();

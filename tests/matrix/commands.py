@@ -319,6 +319,11 @@ ROWS = (
         _o(".html", texts.page, alike="page"),
         reason=lambda s: mesh(s) if s.finite else None,
     ),
+    _main(
+        "view --outline",
+        _o(".html", texts.page, alike="page"),
+        reason=lambda s: mesh(s) if s.finite else None,
+    ),
     _track("track", _report("track"), ways={"--cull": "--json says how each frame was filtered"}),
     _track("track --certify", _report("track"), words="track --certify", doors="main"),
     _track("track --polygons", *HULL_MESHES[:1], words="track --polygons", doors="main"),

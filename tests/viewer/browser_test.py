@@ -305,6 +305,19 @@ class Static(Page):
         self.expect_not_blank(10_000)
         self.expect_toggles_work(("survivors", "vertices", "faces", "cells", "edges", "axes"))
 
+    def test_the_outline_is_its_boundary(self):
+        # Two squares that share a corner's neighbourhood, with a bay between them.
+        source = written("bay.txt", [(x, y) for x in range(12) for y in range(12) if not (4 <= x < 8 and y > 3)])
+        self.view(source, "--outline")
+        app("alpha", source, "-o", path("bay.json"), "-q")
+        with open(path("bay.json")) as file:
+            shape = json.load(file)
+        self.assertEqual(self.shown_cells(), {frozenset(cell) for cell in shape["cells"]})
+        places, lines = self.drawn_polygons()
+        self.assertEqual((len(places), lines), (9 * len(shape["cells"]), len(shape["facets"])))
+        self.assertLess(len(shape["cells"]), len(self.cells(source)))
+        self.assertIn("in the outline (alpha shape)", self.text("notes"))
+
     def test_cells_of_space_are_cut(self):
         source = generated("cut.npy", "ball", "-n", "700", "-d", "3")
         self.view(source, "--delaunay")
@@ -617,6 +630,7 @@ class Errors(unittest.TestCase):
                      "--delaunay", "-o", path("x.html"))
         app("hull", good, "-o", path("good.json"), "-q")
         self.refused(2, "without its points", path("good.json"), "--delaunay", "-o", path("x.html"))
+        self.refused(2, "exclude one another", good, "--delaunay", "--outline", "-o", path("x.html"))
         self.refused(1, "not a hull with its lists", path("report.json"), "-o", path("x.html"))
         self.assertFalse(os.path.exists(path("x.html")))
 

@@ -32,18 +32,27 @@ class CellShape {
   }
 }
 
+// Of an outline the edges of one cell alone.
 function triangleCells(frame, placed) {
-  const count = frame.cells.length;
+  const { cells, outline } = frame, count = cells.length;
   const places = new Float32Array(3 * count), tones = new Float32Array(count), lines = new Float32Array(6 * count);
+  const end = (i) => cells[i % 3 === 2 ? i - 2 : i + 1];
+  const edge = (i) => Math.min(cells[i], end(i)) * 0x100000000 + Math.max(cells[i], end(i));
+  const border = new Set();
+  if (outline) for (let i = 0; i < count; ++i) if (!border.delete(edge(i))) border.add(edge(i));
+  let line = 0;
   for (let i = 0; i < count; ++i) {
-    const next = i % 3 === 2 ? i - 2 : i + 1;
+    const inner = outline && !border.has(edge(i));
     for (let k = 0; k < 3; ++k) {
-      places[3 * i + k] = lines[6 * i + k] = placed[3 * frame.cells[i] + k];
-      lines[6 * i + 3 + k] = placed[3 * frame.cells[next] + k];
+      places[3 * i + k] = placed[3 * cells[i] + k];
+      if (inner) continue;
+      lines[line + k] = places[3 * i + k];
+      lines[line + 3 + k] = placed[3 * end(i) + k];
     }
-    tones[i] = cellTone(Math.floor(i / 3));
+    if (!inner) line += 6;
+    tones[i] = outline ? 0.5 : cellTone(Math.floor(i / 3));
   }
-  return { places, tones, lines };
+  return { places, tones, lines: lines.subarray(0, line) };
 }
 
 // The sections of tetrahedra by a plane (a, b, c, w): three or four corners each.

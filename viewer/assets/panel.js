@@ -156,7 +156,7 @@ function notesOf(scene, frame) {
   if (scene.frame_count > scene.frames.length)
     notes.push(`${scene.frames.length} of ${grouped.format(scene.frame_count)} frames are in this page.`);
   if (frame.cells) {
-    const cells = plural(frame.cell_corners ? frame.cells.length / frame.cell_corners : 0, "Delaunay cell");
+    const cells = plural(frame.cell_corners ? frame.cells.length / frame.cell_corners : 0, frame.outline ? "cell" : "Delaunay cell") + (frame.outline ? " in the outline (alpha shape)" : "");
     const points = frame.cell_points === r.points.count ? "all points" : `${plural(frame.cell_points, "point")}, a fair sample`;
     notes.push(`${cells} of ${points}${frame.cell_corners === 4 ? ", seen where the clip plane cuts them" : ""}.`);
   }
