@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds what runs as WebAssembly with Debian's emscripten, in build/wasm:
 #   scripts/wasm.sh [STEP ...]
-#   libraries  what is linked: GMP, zlib and fmt of Debian's sources, headers
+#   libraries  what is linked: GMP, zlib, fmt and Highway of Debian's sources, headers
 #   js         the npm package, in build/wasm/js (bindings/js)
 #   program    cullhull.wasm and the script that loads it, in build/wasm/program, for the page of the
 #              documentation where a file is dropped (docs/site/try.html)
@@ -22,12 +22,13 @@ give_up() {
 # Numbers have some thousand bits: the algorithms for longer ones, most of GMP, are left out.
 make_libraries() {
   local name long=()
-  [[ -e $root/complete ]] && return
+  [[ -e $root/highway-1.2 ]] && return
   [[ -z ${CULLHULL_NO_FETCH:-} ]] || give_up "no $root (scripts/wasm.sh libraries)"
-  rm -rf "$root" "$tree/sources"
+  rm -rf "$root" "$tree"/{sources,build}
   mkdir -p "$root"/{include,lib/cmake/hwy,share/cmake} "$tree/sources"
   pushd "$tree/sources" >/dev/null
   "$OLDPWD/scripts/debian-sources.sh" gmp zlib fmtlib || exit $?
+  SUITE=trixie "$OLDPWD/scripts/debian-sources.sh" highway || exit $?
   for name in MUL_TOOM22 DC_DIV_QR DC_DIVAPPR_Q DC_BDIV_QR DC_BDIV_Q HGCD GCD_DC \
     GCDEXT_DC; do long+=("-D${name}_THRESHOLD=MP_SIZE_T_MAX"); done
   long+=(-DMUL_TOOM22_THRESHOLD_LIMIT=30)
@@ -43,13 +44,14 @@ make_libraries() {
     exit 1
   }
   popd >/dev/null
-  for name in include/{CLI,nlohmann,fast_float,hwy,gmpxx.h} share/cmake/{CLI11,nlohmann_json} \
+  for name in include/{CLI,nlohmann,fast_float,gmpxx.h} share/cmake/{CLI11,nlohmann_json} \
     lib/cmake/FastFloat; do
     cp -rL "/usr/$name" "$root/$name"
   done
-  # Headers are all that is used of Highway.
+  # Headers are all that is used of Highway. Its version 1.0 has no vectors of doubles here.
+  cp -r "$tree/sources/highway/hwy" "$root/include/"
   echo 'add_library(hwy::hwy INTERFACE IMPORTED GLOBAL)' >"$root/lib/cmake/hwy/hwy-config.cmake"
-  touch "$root/complete"
+  touch "$root/highway-1.2"
 }
 
 # build TARGET ...
