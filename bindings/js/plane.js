@@ -1,5 +1,5 @@
 // Points of the plane: hull, triangulations, Voronoi diagram, concave hull. Types: plane.d.ts.
-import { CullhullError, Module, packed } from './wasm.js';
+import { CullhullError, Module, packed, packedIds } from './wasm.js';
 
 export { CullhullError };
 
@@ -22,7 +22,7 @@ export async function load(source) {
       return { triangles, halfedges, hull };
     },
     constrained(points, edges, { insideOnly = false } = {}) {
-      const ids = Uint32Array.from(edges.flat?.() ?? edges);
+      const ids = packedIds(edges);
       const [triangles, halfedges, pieces] =
         call('cullhull_constrained', points, [ids, ids.length, insideOnly], mesh);
       return { triangles, halfedges, edges: pieces };

@@ -55,7 +55,8 @@ export class Module {
 
   /** Copies a typed array into the module. */
   place(array) {
-    const at = this.wasm.malloc(Math.max(array.byteLength, 8)) >>> 0;
+    const size = Math.max(array.byteLength, 8);
+    const at = size < 2 ** 32 ? this.wasm.malloc(size) >>> 0 : 0;
     if (at === 0) throw new CullhullError('out_of_memory', 'not enough memory for the input');
     new array.constructor(this.wasm.memory.buffer, at, array.length).set(array);
     return at;
@@ -85,7 +86,6 @@ export class Module {
       if (error instanceof CullhullError) throw error;
       placed.length = 0;  // with the memory of the instance that broke off
       this.start();
-      if (error instanceof RangeError && !(error instanceof WebAssembly.RuntimeError)) throw error;
       throw new CullhullError('out_of_memory', 'not enough memory for the call');
     } finally {
       for (const at of placed) this.wasm.free(at);
@@ -104,9 +104,12 @@ export class Module {
 
 /** Points as packed doubles: of a typed array, of a flat array, or of an array of points. */
 export function packed(points, dimension) {
-  if (points instanceof Float64Array) return whole(points, dimension);
-  if (!Array.isArray(points) && !ArrayBuffer.isView(points))
+  if (!Number.isInteger(dimension) || dimension < 1)
+    throw new CullhullError('invalid_argument', `points have no ${dimension} coordinates`);
+  if (!Array.isArray(points) && (!ArrayBuffer.isView(points) || points instanceof DataView))
     throw new CullhullError('invalid_argument', 'points are an array of numbers or of points');
+  if (points.length === 0) attached(points);
+  if (points instanceof Float64Array) return whole(points, dimension);
   if (typeof points[0] === 'number') return whole(Float64Array.from(points), dimension);
   const rows = new Float64Array(points.length * dimension);
   let at = 0;
@@ -116,6 +119,26 @@ export function packed(points, dimension) {
     for (let j = 0; j < dimension; ++j) rows[at++] = point[j];
   }
   return rows;
+}
+
+/** Ids as packed integers: of a typed array, of a flat array, or of an array of lists. */
+export function packedIds(ids) {
+  const all = ids?.flat?.() ?? ids;
+  if (!Array.isArray(all) && (!ArrayBuffer.isView(all) || all instanceof DataView))
+    throw new CullhullError('invalid_argument', 'ids are an array of numbers or of lists');
+  if (all.length === 0) attached(all);
+  if (!all.every(id => Number.isInteger(id) && id >= 0 && id < 2 ** 32))
+    throw new CullhullError('invalid_argument', 'ids are whole numbers from 0 on');
+  return Uint32Array.from(all);
+}
+
+/** Refuses an array whose buffer was sent elsewhere: it has no length any more. */
+function attached(array) {
+  try {
+    if (array.buffer) new Uint8Array(array.buffer);
+  } catch {
+    throw new CullhullError('invalid_argument', 'the array has been detached');
+  }
 }
 
 function whole(rows, dimension) {

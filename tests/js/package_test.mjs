@@ -135,6 +135,15 @@ fails('invalid_argument', /cross/, () => plane.constrained([0, 0, 1, 1, 0, 1, 1,
 fails('invalid_argument', /./, () => plane.constrained([0, 0, 1, 1], [[0, 9]]));
 fails('invalid_argument', /negative/, () => plane.concaveHull([0, 0, 1, 0, 0, 1], { length: -1 }));
 
+fails('invalid_argument', /array/, () => plane.hull(new DataView(new ArrayBuffer(32))));
+for (const dimension of [0, -1, 2.5, NaN, '3'])
+  fails('invalid_argument', /coordinates/, () => space.hull([1, 2, 3, 4, 5], dimension));
+for (const ids of [[0, -1], [0, 1.5], [0, NaN], [[0, 2 ** 32]], ['0', '1'], undefined, 7, new DataView(new ArrayBuffer(8))])
+  fails('invalid_argument', /ids/, () => plane.constrained([0, 0, 1, 1, 0, 1], ids));
+const sent = new Float64Array(6);
+structuredClone(sent, { transfer: [sent.buffer] });
+fails('invalid_argument', /detached/, () => plane.hull(sent));
+
 fails('out_of_budget', /memory budget/, () => space.delaunay(make(20 * 3000, random), 20));
 
 // Memory is used again, and a call that finds none is an error after which others run.
@@ -145,11 +154,20 @@ fails('out_of_memory', /input/, () => full.call('cullhull_delaunay', [some, 1000
 full.wasm.free(left);
 fails('out_of_memory', /call/, () => full.call('cullhull_delaunay', [some, 100000], types));
 assert.equal(full.call('cullhull_delaunay', [some.slice(0, 6), 3], types)[0].length, 3);
+// What the budget of 2 GiB does not hold, in the same instance as what it does.
+const many = make(2e7, random), corners = plane.hull(many).vertices;
+fails('out_of_budget', /memory budget/, () => plane.voronoi(many));
+assert.deepEqual(plane.hull(many).vertices, corners);
+assert.ok(plane.delaunay(many.subarray(0, 2e6)).triangles.length > 5.9e6);
+assert.ok(space.hull(many.subarray(0, 3e6)).vertices.length > 100);
 plane.voronoi(some);
 const memory = process.memoryUsage().arrayBuffers;
 for (let i = 0; i < 30; ++i) plane.voronoi(some);
 global.gc?.();
 assert.ok(process.memoryUsage().arrayBuffers - memory < 200e6);
+
+for (const [module, called] of [[plane, 'hull delaunay constrained concaveHull voronoi'], [space, 'hull delaunay']])
+  assert.equal(Object.keys(module).join(' '), called, 'a function has no row above');
 
 const sizes = ['plane', 'space'].map(name => [`${name}.wasm`, `${name}.js`, 'wasm.js']
   .reduce((sum, file) => sum + gzipSync(readFileSync(`${folder}/${file}`), { level: 9 }).length, 0));
