@@ -24,7 +24,7 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/flow", 1650},  {"src/generate", 660},  {"src/geometry", 1640}, {"src/hull", 6225},
     {"src/io", 18655},   {"src/parallel", 2985}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 32850},
-    {"tests", 54990},    {"docs", 10800},        {"apps", 9545},         {"bench", 7560},
+    {"tests", 55020},    {"docs", 10800},        {"apps", 9545},         {"bench", 7560},
     {"viewer", 3445},    {"scripts", 4130},
 };
 
