@@ -250,7 +250,7 @@ class Bench {
       return download_points(view, ids.data(), ids.size(), run);
     };
     const auto sampled = cullhull::internal::map_of_sample(sample, cullhull::internal::Insist::yes,
-                                                           most_gauge_nodes(this_device()), run);
+                                                           most_map_nodes(), run);
     if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
     std::uint64_t kept = n;
     ordered_json json = times_of(

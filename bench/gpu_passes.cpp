@@ -289,8 +289,7 @@ class Passes {
                                    [&](std::span<const std::uint64_t> ids) {
       return internal::gather_points(view, ids.data(), ids.size(), run);
                                    }};
-    auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
-                                           most_gauge_nodes(this_device()), run);
+    auto sampled = internal::map_of_sample(sample, internal::Insist::yes, most_map_nodes(), run);
     if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
     return std::move(sampled.map);
   }

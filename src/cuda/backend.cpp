@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include "cuda/gauge.hpp"
-#include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/device_points.hpp"
 
@@ -19,8 +17,6 @@ bool cuda_in_sight() noexcept {
     if (::access(file, F_OK) == 0) return true;
   return false;
 }
-
-std::uint32_t most_map_nodes(int device) { return most_gauge_nodes(device_or_current(device)); }
 
 }  // namespace cullhull::internal
 

@@ -42,9 +42,10 @@ class OutOfMemory : public Error {
   explicit OutOfMemory(const std::string& message) : Error(ErrorCode::out_of_budget, message) {}
 };
 
-/// The greatest number of a map's nodes that this device's shared memory holds (-1: the current
-/// device).
-std::uint32_t most_map_nodes(int device);
+/// The greatest number of nodes of a map with which a multiprocessor of this device (-1: the
+/// current device) runs two blocks of the kernel at a time and keeps a quarter of its memory as
+/// cache for the points (bench/notes/gpu.md).
+std::uint32_t most_map_nodes(int device = -1);
 
 /// The ids, ascending, of the points in the host's memory that the map does not discard. Filters on
 /// the device that the options name: all points at once or, where it has not the memory, in pieces.

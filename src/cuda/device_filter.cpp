@@ -88,7 +88,7 @@ class DeviceFilter {
     if (run_.options.cull != CullMethod::gauge && hull_of_all_there(where, result)) return result;
     const SampledMap sampled = map_of_sample(
         sampled_points(points_), run_.options.cull == CullMethod::gauge ? Insist::yes : Insist::no,
-        most_gauge_nodes(this_device()), run_, most_probes_of_device(d_));
+        most_map_nodes(), run_, most_probes_of_device(d_));
     result.survivors.reason = sampled.reason;
     const Survivors before = result.survivors;
     try {
@@ -274,8 +274,7 @@ class DeviceFilter {
       result.survivors.reason += "; a pseudo-hull of what it left";
       return kept;
     }
-    const SampledMap finer =
-        map_of_left(sampled_points(view), &first, most_gauge_nodes(this_device()), run_);
+    const SampledMap finer = map_of_left(sampled_points(view), &first, most_map_nodes(), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
     result.survivors.filter = UsedFilter::gauge_twice;

@@ -53,9 +53,7 @@ class DeviceFrame final : public FramePoints {
                          [&] { return here_->gather(ids); });
   }
 
-  std::uint32_t most_nodes() override {
-    return here_ ? here_->most_nodes() : most_gauge_nodes(this_device());
-  }
+  std::uint32_t most_nodes() override { return here_ ? here_->most_nodes() : most_map_nodes(); }
 
   bool keeps_surface() const override { return has_surface() && (!last_ || last_->kept); }
   bool has_surface() const {

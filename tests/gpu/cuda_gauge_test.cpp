@@ -77,8 +77,7 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
 
 TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
   for (unsigned d = 2; d <= 6; ++d) {
-    const auto map =
-        GaugeMap::build(cross_polytope(d, 0.125, 1), 0, most_gauge_nodes(this_device()));
+    const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1), 0, most_map_nodes());
     ASSERT_TRUE(map);
     for (const std::size_t n :
          {1U, 31U, 32U, 33U, 127U, 128U, 129U, 32767U, 32768U, 32769U, 1000003U}) {

@@ -6,7 +6,9 @@
 
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "gpu/device.hpp"
@@ -103,24 +105,26 @@ TEST(PseudoHullGpu, WhatItDropsIsStrictlyInsideExactly) {
     }
 }
 
-TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
+TEST(PseudoHullGpu, RefusesPointsThatADeviceCannotRead) {
   CULLHULL_NEEDS_DEVICE();
-  const std::vector<int> p(70, 1);
-  const OnDevice device(p);
-  const Stream stream;
-  const auto expect_refused = [&](const PointView& view) {
-    testing_support::error_of(ErrorCode::invalid_argument, [&] {
-      pseudo_hull_survivors_cuda(device.view(view, stream), {}, internal::Run(defaults).control);
-    });
-  };
-  expect_refused(PointView::row_major(p.data(), 10, 3));
-  expect_refused(PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 7));
-  PointView crooked = PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 3);
-  crooked.data += 2;
-  expect_refused(crooked);
-  // The device works as before.
   const std::vector<float> good = normal_points<float>(300, 3, 1, 0);
-  expect_as_on_the_host(good, PointView::row_major(good.data(), 300, 3), "after an error");
+  const OnDevice device(good);
+  const Stream stream;
+  const PointView all = PointView::row_major(good.data(), 300, 3);
+  Options options;
+  options.backend = Backend::cuda;
+  options.cull = CullMethod::pseudo_hull;
+  const auto expect_refused = [&](DevicePointView view) {
+    testing_support::error_of(ErrorCode::invalid_argument, [&] { convex_hull(view, options); });
+  };
+  DevicePointView crooked = device.view(all, stream), integers = crooked;
+  crooked.data = static_cast<const std::byte*>(crooked.data) + 2;
+  crooked.count = 10;
+  integers.scalar = ScalarType::i32;
+  expect_refused(crooked);
+  expect_refused(integers);
+  // The device works as before.
+  expect_as_on_the_host(good, all, "after an error");
 }
 
 // Beyond what a checker of memory accesses has the patience for.

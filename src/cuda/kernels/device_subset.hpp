@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "cullhull/device_points.hpp"
-#include "cullhull/error.hpp"
 #include "filter/pseudo_hull/pseudo_hull_rows.hpp"
 #include "parallel/host_device.hpp"
 
@@ -15,17 +14,6 @@ struct EmitId {
   std::uint64_t* ids;
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
 };
-
-/// Checks the alignment: an unaligned load would destroy the device's context.
-template <class T>
-void require_aligned(const DevicePointView& points) {
-  const auto bits = reinterpret_cast<std::uintptr_t>(points.data) |
-                    static_cast<std::uintptr_t>(points.point_stride) |
-                    static_cast<std::uintptr_t>(points.coordinate_stride);
-  if (bits % alignof(T) != 0)
-    throw Error(ErrorCode::invalid_argument,
-                "points on a device must be aligned to their scalar type");
-}
 
 /// The same memory as a view of points; only a device can read it.
 inline PointView as_point_view(const DevicePointView& points) {

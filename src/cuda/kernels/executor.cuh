@@ -161,7 +161,7 @@ struct KeyOfItem {
 
 }  // namespace cuda_kernels
 
-class CudaExecutor {
+class CudaExecutor : public DeviceAtomics {
  public:
   template <class T>
   using Array = CudaArray<T>;
@@ -356,19 +356,6 @@ class CudaExecutor {
         steps, first, last, items(listed), word(done));
     launched();
     return done;
-  }
-
-  CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
-    DeviceAtomics::lower(target, value);
-  }
-  CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
-    DeviceAtomics::raise(target, value);
-  }
-  CULLHULL_HD static bool is_first(std::uint32_t& target, std::uint32_t value) {
-    return DeviceAtomics::is_first(target, value);
-  }
-  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
-    return DeviceAtomics::next(counter, n);
   }
 
  private:

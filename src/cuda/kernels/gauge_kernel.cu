@@ -216,7 +216,8 @@ cudaError_t probe_device_code() {
   return cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(&count_kernel));
 }
 
-std::uint32_t most_gauge_nodes(const Device& device) {
+std::uint32_t most_map_nodes(int ordinal) {
+  const Device& device = device_or_current(ordinal);
   // The map of highest dimension needs at least 12288 nodes, 48 KiB, which every device has.
   const std::size_t bytes = device.shared_per_multiprocessor * 3 / 8;
   const std::size_t most = bytes < device.shared_per_block ? bytes : device.shared_per_block;

@@ -16,11 +16,6 @@ namespace cullhull::internal {
 
 struct Device;
 
-/// The greatest number of nodes of a table with which a multiprocessor of this device runs two
-/// blocks of the kernel at a time and keeps a quarter of its memory as cache for the points
-/// (bench/notes/gpu.md).
-std::uint32_t most_gauge_nodes(const Device& device);
-
 /// Words of 32 bits in the mask of `count` points.
 constexpr std::uint64_t mask_words(std::uint64_t count) { return (count + 31) / 32; }
 /// Words that gauge_mask may write, and for which a mask needs room: at least mask_words().

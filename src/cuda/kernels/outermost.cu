@@ -12,7 +12,6 @@ DeviceIds outermost_there(const GaugeTable& map, unsigned cells, const DevicePoi
   DeviceIds found;
   with_types(map, points.scalar, [&]<unsigned D, class T, class C>() {
     if constexpr (D >= 4) {
-      require_aligned<T>(points);
       const auto rows = rows_in_place<D, T>(as_point_view(points), {points.count, 0, 1});
       GaugeTable grid;
       if (!leader_cells<D>(executor, rows, count, map, cells, grid)) return;

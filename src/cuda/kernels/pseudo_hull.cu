@@ -16,9 +16,7 @@ class SubsetFilter {
  public:
   explicit SubsetFilter(const DevicePointView& points)
       : view_(as_point_view(points)),
-        growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {
-    require_aligned<T>(points);
-  }
+        growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {}
 
   /// The ids of the subset's points that survive, in the device's memory.
   DeviceIds run(const PseudoSubset& subset, unsigned max_rounds, const Control& control,
@@ -39,20 +37,10 @@ class SubsetFilter {
   PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth_;
 };
 
-void require_types(const DevicePointView& points) {
-  if (points.dimension < 2 || points.dimension > 6)
-    throw Error(ErrorCode::invalid_argument,
-                "the pseudo-hull filter on a device is for 2 to 6 dimensions");
-  if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
-    throw Error(ErrorCode::invalid_argument,
-                "the pseudo-hull filter on a device is for f32 and f64 points");
-}
-
 std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
                                         unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
   rounds.clear();
-  require_types(points);
   return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
     SubsetFilter<D, T> filter(points);
     std::vector<std::vector<std::uint64_t>> kept(subsets);
@@ -93,15 +81,10 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& poi
 }
 
 DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
-                                      const Control& control,
-                                      std::vector<PseudoHullRound>* rounds) {
+                                      const Control& control) {
   std::vector<PseudoHullRound> unread;
-  if (points.count > pseudo_hull_most_points)
-    throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
-  require_types(points);
   return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
-    return SubsetFilter<D, T>(points).run({points.count, 0, 1}, max_rounds, control,
-                                          rounds != nullptr ? *rounds : unread);
+    return SubsetFilter<D, T>(points).run({points.count, 0, 1}, max_rounds, control, unread);
   });
 }
 

@@ -22,10 +22,9 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(
     const DevicePointView& points, const PseudoHullSettings& settings, const Control& control,
     std::vector<PseudoHullRound>* rounds = nullptr);
 
-/// The same with a single subset. The ids stay in the device's memory; the work is on
-/// points.stream.
+/// The same with a single subset, of at most 2^28 points. The ids stay in the device's memory; the
+/// work is on points.stream.
 DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
-                                      const Control& control,
-                                      std::vector<PseudoHullRound>* rounds = nullptr);
+                                      const Control& control);
 
 }  // namespace cullhull::internal

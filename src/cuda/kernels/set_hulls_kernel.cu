@@ -158,29 +158,28 @@ __global__ void pack_lists(const __grid_constant__ DevicePointView points,
     rows[vertex_at * D + e] = coordinate<T>(points, first + ids[step * (e / D)], e % D);
 }
 
-__device__ void place_list(const PlacedLists& out, const SetLengths& s) {
-  out.vertex_at[s.set] = out.vertex_width != 0 ? s.set * out.vertex_width : s.vertices;
-  out.simplex_at[s.set] = out.simplex_width != 0 ? s.set * out.simplex_width : s.simplices;
-  if (out.vertex_counts != nullptr) {
-    out.vertex_counts[s.set] = static_cast<std::int32_t>(s.vertices);
-    out.simplex_counts[s.set] = static_cast<std::int32_t>(s.simplices);
+/// Of the sets `found` and, by item, of others.
+struct PlaceList {
+  PlacedLists out;
+  WarpSets found;
+  std::int32_t dimension;
+  const SetLengths* others;
+
+  __device__ void operator()(std::uint64_t i) const {
+    if (others != nullptr) return place(others[i]);
+    const SetCounts counts = found.counts[i];  // none for sets that are not decided
+    place({static_cast<std::uint32_t>(i), counts.vertices, counts.simplices, dimension});
   }
-  if (out.affine_dimensions != nullptr) out.affine_dimensions[s.set] = s.affine_dimension;
-}
-
-__global__ void place_found(const __grid_constant__ WarpSets sets, std::int32_t dimension,
-                            const __grid_constant__ PlacedLists out) {
-  const std::uint32_t set = blockIdx.x * blockDim.x + threadIdx.x;
-  if (set >= sets.sets) return;
-  const SetCounts counts = sets.counts[set];  // none for sets that are not decided
-  place_list(out, {set, counts.vertices, counts.simplices, dimension});
-}
-
-__global__ void place_others(const SetLengths* __restrict__ others, std::uint32_t count,
-                             const __grid_constant__ PlacedLists out) {
-  const std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-  if (k < count) place_list(out, others[k]);
-}
+  __device__ void place(const SetLengths& s) const {
+    out.vertex_at[s.set] = out.vertex_width != 0 ? s.set * out.vertex_width : s.vertices;
+    out.simplex_at[s.set] = out.simplex_width != 0 ? s.set * out.simplex_width : s.simplices;
+    if (out.vertex_counts != nullptr) {
+      out.vertex_counts[s.set] = static_cast<std::int32_t>(s.vertices);
+      out.simplex_counts[s.set] = static_cast<std::int32_t>(s.simplices);
+    }
+    if (out.affine_dimensions != nullptr) out.affine_dimensions[s.set] = s.affine_dimension;
+  }
+};
 
 /// A thread a set: a hull's shares are added one after another.
 template <unsigned D, class T>
@@ -256,15 +255,11 @@ cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, 
 
 cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetLengths* others,
                         std::uint32_t other_count, const PlacedLists& out, cudaStream_t stream) {
-  constexpr unsigned threads = 256;
   for (std::uint64_t* const list : {out.vertex_at, out.simplex_at})
     fill(list + sets.sets, 1, 0, stream);
-  if (sets.counts != nullptr && sets.sets != 0)
-    place_found<<<blocks_for(sets.sets, threads), threads, 0, stream>>>(sets, dimension, out);
-  if (other_count != 0)
-    place_others<<<blocks_for(other_count, threads), threads, 0, stream>>>(others, other_count,
-                                                                           out);
-  return cudaGetLastError();
+  if (sets.counts != nullptr)
+    check(for_each_item(sets.sets, PlaceList{out, sets, dimension, nullptr}, stream), "placing");
+  return for_each_item(other_count, PlaceList{out, sets, dimension, others}, stream);
 }
 
 cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,

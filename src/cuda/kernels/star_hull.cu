@@ -55,7 +55,6 @@ void write_result(StarHullOf<T>& hull, const RowsInPlace<3, T>& rows, const Run&
 template <class T>
 StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
                            const StarRequest& request, StarHullOf<T>& hull) {
-  require_aligned<T>(points);
   std::vector<PseudoHullRound> unread;
   // Points in a ball take 15 rounds, points on a sphere 18 to 22.
   constexpr unsigned most_rounds = 64;

@@ -388,17 +388,11 @@ class WarpHull {
     }
     return reach;
   }
+  /// The normal that points out of a facet of these edges.
   __device__ static void cross(const double (&edges)[D - 1][D], double (&normal)[D]) {
-    const auto& u = edges[0];
-    if constexpr (D == 2) {
-      normal[0] = u[1];
-      normal[1] = -u[0];
-    } else {
-      const auto& v = edges[1];
+    cofactors<D>(edges, normal);
 #pragma unroll
-      for (unsigned c = 0; c < 3; ++c)
-        normal[c] = u[(c + 1) % 3] * v[(c + 2) % 3] - u[(c + 2) % 3] * v[(c + 1) % 3];
-    }
+    for (unsigned c = 0; D == 2 && c < D; ++c) normal[c] = -normal[c];
   }
 
   /// A facet of these corners, counter-clockwise from outside. One lane's work.

@@ -96,8 +96,7 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
 
 TEST(EmulatedLayouts, EveryBorderInEveryDimension) {
   for (unsigned d = 2; d <= 6; ++d) {
-    const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1), 0,
-                                     internal::most_gauge_nodes(internal::this_device()));
+    const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1), 0, internal::most_map_nodes());
     for (const std::size_t n : {0U, 1U, 31U, 32U, 33U, 63U, 65U, 127U, 129U, 255U, 257U, 511U, 513U,
                                 1023U, 1025U, 2047U, 2049U}) {
       emulation::restart(n + d);
