@@ -1,9 +1,11 @@
 // Options of a call. They change how the result is computed, never the result.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <memory>
 
 #include "cullhull/stop_token.hpp"
 
@@ -56,6 +58,17 @@ struct RunOptions {
   CULLHULL_RUN_MEMBERS       \
   operator ::cullhull::RunOptions() const { return {threads, memory_budget, progress, stop, poll}; }
 
+/// Allocates memory of the current device in the place of the library's own pool: by RMM, say, or
+/// by PyTorch's caching allocator. `stream` is a cudaStream_t, the points' or one of the library's
+/// own. Any thread may call deallocate: a result frees its memory where it is destroyed.
+struct DeviceAllocator {
+  /// Memory aligned to 256 bytes that work submitted to the stream from now on may use. Null and
+  /// std::bad_alloc mean that there is none; other exceptions reach the caller.
+  std::function<void*(std::size_t bytes, void* stream)> allocate;
+  /// Takes memory back that work submitted to the stream before may still use. Must not throw.
+  std::function<void(void* memory, std::size_t bytes, void* stream)> deallocate;
+};
+
 struct Options {
   CULLHULL_RUN_OPTIONS
   Backend backend = Backend::automatic;
@@ -67,6 +80,8 @@ struct Options {
   /// certify, HullQuery, HullState and write_hull need no points beside it. Used by convex_hull,
   /// HullTracker, HullStream, HullState::hull and hull_from_json.
   bool with_coordinates = false;
+  /// For all device memory of the call and of its results; null: the library's own pool.
+  std::shared_ptr<const DeviceAllocator> device_allocator{};
 };
 
 /// Other options for a call that runs like one with `from`: options_as<TriangulationOptions>(o).

@@ -192,8 +192,8 @@ class DeviceFilter {
     if (kept.rows.data() == nullptr) return;
     const std::uint64_t count = kept.ids.count;
     require_room_for_survivors(count, d_, run_);
-    std::vector<std::uint64_t> ids(count);
-    download(ids.data(), kept.ids.ids.data(), count, cuda_stream_of(points_));
+    std::vector<std::uint64_t> ids;
+    kept.ids.append_to(ids, 0, cuda_stream_of(points_));
     result.rows = download_finite(packed(kept.rows, count), nullptr, count, ids.data(), run_);
     result.survivors.ids = std::move(ids);
   }
@@ -305,8 +305,7 @@ class DeviceFilter {
     if (!take_hull(found, fewer.ids, result)) {
       fewer.rows = rows_of(view, second);
     } else if (!result.rows.empty()) {
-      result.survivors.ids.resize(second.count);
-      download(result.survivors.ids.data(), fewer.ids.ids.data(), second.count, stream);
+      fewer.ids.append_to(result.survivors.ids, 0, stream);
     }
     return fewer;
   }
@@ -359,18 +358,19 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run,
     nothing.survivors.reason = "no points";
     return nothing;
   }
-  const DeviceScope scope(device_of(points));  // it may be the only usable one
+  const DeviceScope scope(device_of(points), run.options);  // it may be the only usable one
   return DeviceFilter(points, run, request).run();
 }
 
 void filter_there(const PointView& points, const GaugeMap* map, const std::string& where,
                   const Run& run, Filtered& result) {
-  const DeviceScope scope(device_or_current(run.options.device).ordinal);
+  const DeviceScope scope(device_or_current(run.options.device).ordinal, run.options);
   if (map == nullptr && !surface_of_all_pays(points.dimension, points.count, run)) return;
   std::vector<std::uint64_t> all;
   Filtered found;
   const auto filter = [&](std::uint64_t first, std::uint64_t n) {
     const CudaStream stream;
+    const Settled settled(stream.get());  // an allocator may know the memory by the stream
     DevicePointView there;
     const DeviceArray<std::byte> rows = uploaded_points(points, first, n, stream.get(), run, there);
     found = {};
@@ -380,10 +380,7 @@ void filter_there(const PointView& points, const GaugeMap* map, const std::strin
     const std::optional<Kept> kept =
         DeviceFilter(there, run, request).kept_by(map, true, where, found);
     if (!kept || found.survivors.all) return;
-    const std::size_t before = all.size();
-    all.resize(before + kept->ids.count);
-    download(all.data() + before, kept->ids.ids.data(), kept->ids.count, stream.get());
-    for (std::size_t i = before; i < all.size(); ++i) all[i] += first;
+    kept->ids.append_to(all, first, stream.get());
     if (n != points.count) found.survivors.reason += "; in pieces that fit its memory";
   };
   if (map != nullptr)

@@ -64,8 +64,9 @@ void leave_there(const StarHullThere& found, const DeviceIds& ids, cudaStream_t 
   left = std::move(hull);
 }
 
-DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points) {
-  const DeviceScope scope(points.count > 0 ? device_of(points) : this_device().ordinal);
+DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points,
+                            const Options& options) {
+  const DeviceScope scope(points.count > 0 ? device_of(points) : this_device().ordinal, options);
   const cudaStream_t stream = cuda_stream_of(points);
   DeviceHull there;
   there.dimension = hull.dimension;

@@ -34,7 +34,7 @@ class DeviceFrame final : public FramePoints {
       (void)this_device();
       return;
     }
-    scope_.emplace(device_of(points));
+    scope_.emplace(device_of(points), run.options);
     if (run.options.cull == CullMethod::pseudo_hull) {
       copy("the pseudo-hull tracks on the CPU");
     } else if (run.options.backend == Backend::cpu) {

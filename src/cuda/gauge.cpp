@@ -26,16 +26,6 @@ void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, std::byte*
         std::memcpy(out, v.address(i, j), sizeof(float));
 }
 
-/// Appends the survivors of a piece that begins with point `first` of all.
-void append_survivors(const GaugeTable& table, const DevicePointView& part, std::uint64_t first,
-                      Array<std::uint64_t>& ids) {
-  const DeviceIds left = survivors_of_device_points(table, part);
-  const std::size_t before = ids.size();
-  ids.resize(before + left.count);
-  download(ids.data() + before, left.ids.data(), left.count, cuda_stream_of(part));
-  for (std::size_t i = before; i < ids.size(); ++i) ids[i] += first;
-}
-
 }  // namespace
 
 DeviceArray<std::byte> uploaded_points(const PointView& points, std::uint64_t first,
@@ -78,13 +68,14 @@ DeviceArray<std::byte> uploaded_points(const PointView& points, std::uint64_t fi
 
 Array<std::uint64_t> survivors_there(const GaugeTable& table, const PointView& points,
                                      const Run& run) {
-  const DeviceScope scope(device_or_current(run.options.device).ordinal);
+  const DeviceScope scope(device_or_current(run.options.device).ordinal, run.options);
   Array<std::uint64_t> ids;
   in_pieces(points.count, points.count, run.control, [&](std::uint64_t first, std::uint64_t n) {
     const CudaStream stream;
+    const Settled settled(stream.get());  // as filter_there()
     DevicePointView part;
     const DeviceArray<std::byte> rows = uploaded_points(points, first, n, stream.get(), run, part);
-    append_survivors(table, part, first, ids);
+    survivors_of_device_points(table, part).append_to(ids, first, stream.get());
   });
   return ids;
 }
@@ -103,7 +94,8 @@ Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePo
                                          const Control& control) {
   Array<std::uint64_t> ids;
   in_pieces(points.count, points.count, control, [&](std::uint64_t first, std::uint64_t n) {
-    append_survivors(table, part_of(points, first, n), first, ids);
+    survivors_of_device_points(table, part_of(points, first, n))
+        .append_to(ids, first, cuda_stream_of(points));
   });
   return ids;
 }

@@ -55,6 +55,15 @@ DeviceArray<std::byte> uploaded_points(const PointView& points, std::uint64_t fi
 struct DeviceIds {
   DeviceArray<std::uint64_t> ids;
   std::uint64_t count = 0;
+
+  /// Appends them, `first` added to each, to a list of the host.
+  template <class List>
+  void append_to(List& list, std::uint64_t first, cudaStream_t stream) const {
+    const std::size_t before = list.size();
+    list.resize(before + count);
+    download(list.data() + before, ids.data(), count, stream);
+    for (std::size_t i = before; first != 0 && i < list.size(); ++i) list[i] += first;
+  }
 };
 
 /// Replaces each number by the sum of those before it.

@@ -14,9 +14,10 @@ namespace {
 
 class QuestionsThere final : public QuestionsOnDevice {
  public:
-  QuestionsThere(const DevicePointView& view, const HullTables* tables, KeptTables& kept)
+  QuestionsThere(const DevicePointView& view, const HullTables* tables, KeptTables& kept,
+                 const Options& options)
       : points_(view), hull_(tables), kept_(kept), stream_(cuda_stream_of(view)) {
-    scope_.emplace(device_of(view));
+    scope_.emplace(device_of(view), options);
   }
 
   std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
@@ -131,8 +132,9 @@ class QuestionsThere final : public QuestionsOnDevice {
 }  // namespace
 
 std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView& points,
-                                                       const HullTables* hull, KeptTables& kept) {
-  return std::make_unique<QuestionsThere>(points, hull, kept);
+                                                       const HullTables* hull, KeptTables& kept,
+                                                       const Options& options) {
+  return std::make_unique<QuestionsThere>(points, hull, kept, options);
 }
 
 }  // namespace cullhull::internal

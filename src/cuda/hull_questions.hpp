@@ -102,6 +102,7 @@ class QuestionsOnDevice {
 /// after distances() are used. Throws Failure if there is no device, and Error{invalid_argument}
 /// for memory that the device cannot read.
 std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView& points,
-                                                       const HullTables* hull, KeptTables& kept);
+                                                       const HullTables* hull, KeptTables& kept,
+                                                       const Options& options);
 
 }  // namespace cullhull::internal

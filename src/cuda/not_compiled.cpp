@@ -31,7 +31,7 @@ Array<std::uint64_t> survivors_there(const GaugeTable&, const PointView&, const 
 std::unique_ptr<SetsOnDevice> sets_on_device(const DevicePointView&, const Run&) { refuse_cuda(); }
 
 std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, const HullTables*,
-                                                       KeptTables&) {
+                                                       KeptTables&, const Options&) {
   refuse_cuda();
 }
 
@@ -39,7 +39,7 @@ Filtered run_device_filter(const DevicePointView&, const Run&, const DeviceReque
   refuse_cuda();
 }
 
-DeviceHull copied_to_device(const Hull&, const DevicePointView&) { refuse_cuda(); }
+DeviceHull copied_to_device(const Hull&, const DevicePointView&, const Options&) { refuse_cuda(); }
 
 void filter_there(const PointView&, const GaugeMap*, const std::string&, const Run&, Filtered&) {
   refuse_cuda();

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <utility>
 
 #include "cuda/reason.hpp"
@@ -75,6 +76,9 @@ bool of_capture(cudaError_t error) {
 }
 
 std::atomic<bool> found_one{false};
+
+/// That of the innermost DeviceScope; null: the library's pool.
+thread_local std::shared_ptr<const DeviceAllocator> allocator;
 
 /// The library's own, so that the device's default pool, which the caller may use, keeps its
 /// settings. It keeps freed memory, so that the next call does not need the driver: 512 MiB suffice
@@ -193,7 +197,7 @@ bool has_context(int ordinal) {
 
 }  // namespace
 
-DeviceScope::DeviceScope(int ordinal, Unread unread) {
+DeviceScope::DeviceScope(int ordinal, Unread unread) : allocator_before_(allocator) {
   // Such an error would be taken for that of the next launch. It is not cleared: it is the
   // caller's.
   if (const cudaError_t left = cudaPeekAtLastError();
@@ -214,40 +218,60 @@ void refuse_capture(cudaStream_t stream) {
   if (status != cudaStreamCaptureStatusNone) throw Failure(capture_refused);
 }
 
+DeviceScope::DeviceScope(int ordinal, const Options& options) : DeviceScope(ordinal) {
+  allocator = options.device_allocator;
+}
+
 DeviceScope::~DeviceScope() {
+  allocator = std::move(allocator_before_);
   if (before_ >= 0) (void)cudaSetDevice(before_);
 }
 
-void* allocate(std::size_t bytes, cudaStream_t stream) {
-  if (bytes == 0) return nullptr;
+DeviceBlock allocate(std::size_t bytes, cudaStream_t stream) {
+  if (bytes == 0) return {};
   void* memory = nullptr;
-  const cudaMemPool_t pool = this_device().pool;
-  check(pool != nullptr ? cudaMallocFromPoolAsync(&memory, bytes, pool, stream)
-                        : cudaMalloc(&memory, bytes),
-        "allocating device memory");
-  return memory;
+  cudaError_t status = cudaErrorMemoryAllocation;
+  if (allocator == nullptr) {
+    const cudaMemPool_t pool = this_device().pool;
+    status = pool != nullptr ? cudaMallocFromPoolAsync(&memory, bytes, pool, stream)
+                             : cudaMalloc(&memory, bytes);
+  } else {
+    try {
+      memory = allocator->allocate(bytes, stream);
+      if (memory != nullptr) status = cudaSuccess;
+    } catch (const std::bad_alloc&) {
+      // As if it had returned null.
+    }
+  }
+  check(status, "allocating device memory");
+  return {memory, {bytes, stream, allocator}};
 }
 
-void release(void* memory, cudaStream_t stream) noexcept {
-  if (memory == nullptr) return;
+void Release::operator()(void* memory) const noexcept {
   // Arrays are also destroyed while an exception is handled, so errors are ignored here.
   try {
-    (void)(this_device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
+    if (to != nullptr)
+      to->deallocate(memory, bytes, stream);
+    else
+      (void)(this_device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
   } catch (const Error&) {
     // The context is lost, and its memory with it.
   }
 }
 
 std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream) {
-  const int ordinal = this_device().ordinal;
-  return {static_cast<std::byte*>(allocate(bytes, stream)), [ordinal](std::byte* memory) {
-            try {
-              const DeviceScope scope(ordinal, Unread::ignored);
-              (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
-              release(memory, nullptr);
-            } catch (const Error&) {
-              // The context is lost, and its memory with it.
-            }
+  DeviceBlock block = allocate(std::max<std::size_t>(bytes, 1), stream);
+  Release release = block.get_deleter();
+  release.stream = nullptr;  // the call's may have ended by then
+  return {static_cast<std::byte*>(block.release()),
+          [release, ordinal = this_device().ordinal](std::byte* memory) {
+    try {
+      const DeviceScope scope(ordinal, Unread::ignored);
+      (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
+      release(memory);
+    } catch (const Error&) {
+      // The context is lost, and its memory with it.
+    }
           }};
 }
 

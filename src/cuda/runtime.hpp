@@ -17,6 +17,7 @@
 
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
+#include "cullhull/options.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -58,22 +59,31 @@ void* driver_function(const char* name) noexcept;
 
 /// Makes a device current, and restores the former one when destroyed if that has a context, as
 /// every device has that was chosen or used. Else the device stays current: a context would take
-/// some hundred MB.
+/// some hundred MB. Memory is allocated as `options` say; without them, as by the scope around.
 class DeviceScope {
  public:
   explicit DeviceScope(int ordinal, Unread unread = Unread::reported);
+  DeviceScope(int ordinal, const Options& options);
   ~DeviceScope();
   DeviceScope(const DeviceScope&) = delete;
   DeviceScope& operator=(const DeviceScope&) = delete;
 
  private:
-  int before_ = -1;  ///< to be restored
+  int before_ = -1;  ///< to be restored, and so the allocator
+  std::shared_ptr<const DeviceAllocator> allocator_before_;
 };
 
-/// Allocates memory of the current device in the order of the stream. Throws OutOfMemory, Failure.
-void* allocate(std::size_t bytes, cudaStream_t stream);
-/// Frees it in the order of the stream; ignores errors.
-void release(void* memory, cudaStream_t stream) noexcept;
+/// Frees memory of the current device in the order of the stream; ignores errors.
+struct Release {
+  std::size_t bytes = 0;
+  cudaStream_t stream = nullptr;
+  std::shared_ptr<const DeviceAllocator> to;  ///< null: the library's pool
+  void operator()(void* memory) const noexcept;
+};
+using DeviceBlock = std::unique_ptr<void, Release>;
+/// Allocates memory of the current device in the order of the stream, as the options say that the
+/// innermost DeviceScope was given. Throws OutOfMemory, Failure.
+DeviceBlock allocate(std::size_t bytes, cudaStream_t stream);
 
 /// An array in the memory of the current device, allocated and freed in the order of a stream. Its
 /// values are indeterminate until written.
@@ -82,25 +92,14 @@ class DeviceArray {
  public:
   DeviceArray() = default;
   DeviceArray(std::size_t count, cudaStream_t stream)
-      : data_(static_cast<T*>(allocate(count * sizeof(T), stream))),
-        count_(count),
-        stream_(stream) {}
-  DeviceArray(DeviceArray&& other) noexcept { *this = std::move(other); }
-  DeviceArray& operator=(DeviceArray&& other) noexcept {
-    std::swap(data_, other.data_);
-    std::swap(count_, other.count_);
-    std::swap(stream_, other.stream_);
-    return *this;
-  }
-  ~DeviceArray() { release(data_, stream_); }
+      : block_(allocate(count * sizeof(T), stream)), count_(count) {}
 
-  T* data() const noexcept { return data_; }
-  std::size_t size() const noexcept { return count_; }
+  T* data() const noexcept { return static_cast<T*>(block_.get()); }
+  std::size_t size() const noexcept { return block_ == nullptr ? 0 : count_; }
 
  private:
-  T* data_ = nullptr;
+  DeviceBlock block_;
   std::size_t count_ = 0;
-  cudaStream_t stream_ = nullptr;
 };
 
 /// Device memory whose contents are lost when it grows.
@@ -122,7 +121,7 @@ class CudaArray {
   DeviceArray<T> items_;
 };
 
-/// Memory of the current device that may outlive the call and the stream.
+/// Memory of the current device that may outlive the call and the stream; at least a byte.
 std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream);
 
 /// Pinned memory: host memory that the device can access. The system allocates it slowly, so freed

@@ -152,7 +152,7 @@ DeviceHull convex_hull_on_device(const DevicePointView& points, const Options& o
     tell_found(filtered.survivors, there.vertex_count, Run(options).threads, hull.statistics);
   } else {
     hull = hull_of_filtered(std::move(filtered), points, wanted);
-    there = copied_to_device(hull, points);
+    there = copied_to_device(hull, points, wanted);
   }
   there.point_count = points.count;
   there.volume = hull.volume;

@@ -87,7 +87,8 @@ struct DeviceRequest {
 Filtered run_device_filter(const DevicePointView& points, const Run& run,
                            const DeviceRequest& request = {});
 /// A copy of a hull's lists in the memory of the device that holds the points.
-DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points);
+DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points,
+                            const Options& options);
 
 /// Filters points of the host on the device that the options name, to which it copies them: by the
 /// map and a second filter or, without a map, by the surface of all. Where the device has not the

@@ -131,7 +131,7 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const HullTables
   if (points.count == 0)
     require_cuda();
   else
-    device_ = questions_on_device(points, tables_, kept);
+    device_ = questions_on_device(points, tables_, kept, options_);
 }
 
 /// there(way, first, count, out): writes the device's answers about a piece to `out` on the device,

@@ -183,7 +183,7 @@ class Celled {
   std::size_t expect_the_same(const PointView& here, const DevicePointView& there) const {
     const std::size_t n = here.count;
     internal::KeptTables kept;
-    const auto questions = internal::questions_on_device(there, nullptr, kept);
+    const auto questions = internal::questions_on_device(there, nullptr, kept, {});
     auto* const out = static_cast<std::uint8_t*>(questions->room(n));
     const std::vector<std::uint64_t> open = questions->sides(cells_->table(), {7, 9}, 0, n, out);
     std::vector<std::uint8_t> answers(n);
@@ -318,7 +318,7 @@ TEST_F(GpuQuestions, DistancesOfPointsThatAreNotInsideAreOpen) {
   const OnDevice copy(rows);
   internal::KeptTables kept;
   const auto questions = internal::questions_on_device(
-      DevicePointView::row_major(copy.data<double>(), 3, 2), &*tables, kept);
+      DevicePointView::row_major(copy.data<double>(), 3, 2), &*tables, kept, {});
   auto* const out = static_cast<double*>(questions->room(3 * sizeof(double)));
   EXPECT_EQ(questions->distances(0, 3, out), (std::vector<std::uint64_t>{1, 2}));
   double distance[3];

@@ -39,7 +39,7 @@ TEST(PublicTypes, AreCounted) {
   EXPECT_EQ(types_in("struct A {\n  enum class B : int {};\n  class C;\n  friend class D;\n};\n"),
             (std::set<std::string>{"A", "B"}));
   // Whoever needs another type takes one from elsewhere, or says in a decision what users get.
-  constexpr std::size_t most = 78;
+  constexpr std::size_t most = 79;
   std::set<std::string> all;
   for (const auto& entry : fs::directory_iterator(CULLHULL_HEADERS))
     if (entry.path().filename() != "stop_token.hpp")  // stands in for std::stop_token

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3715},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
+    {"include", 3735},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
     {"src/cuda", 5700},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8910},
     {"src/flow", 1650},  {"src/generate", 660},  {"src/geometry", 1640}, {"src/hull", 6225},
     {"src/io", 18655},   {"src/parallel", 2985}, {"src/query", 3490},    {"src/result", 7620},
-    {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 32850},
-    {"tests", 55020},    {"docs", 10800},        {"apps", 9545},         {"bench", 7560},
+    {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 32860},
+    {"tests", 55220},    {"docs", 10820},        {"apps", 9545},         {"bench", 7560},
     {"viewer", 3445},    {"scripts", 4130},
 };
 

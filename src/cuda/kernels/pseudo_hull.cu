@@ -47,8 +47,7 @@ std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned 
     for (unsigned s = 0; s < subsets; ++s) {
       const PseudoSubset subset{points.count, s, subsets};
       const DeviceIds left = filter.run(subset, max_rounds, control, rounds);
-      kept[s].resize(left.count);
-      download(kept[s].data(), left.ids.data(), left.count, cuda_stream_of(points));
+      left.append_to(kept[s], 0, cuda_stream_of(points));
     }
     return merge_subsets(std::move(kept));
   });

@@ -14,7 +14,7 @@
 
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/set_hulls_kernel.hpp"
-#include "exact/determinants/cofactors.hpp"
+#include "result/facets/facet_math.hpp"
 
 namespace cullhull::internal {
 
@@ -144,10 +144,9 @@ class WarpHull {
       high = largest(high);
       middle_[c] = low + (high - low) / 2;
       const double beyond = high - middle_[c], beneath = middle_[c] - low;
-      reach = beyond > reach ? beyond : reach;
-      reach = beneath > reach ? beneath : reach;
+      reach = greater_of(greater_of(reach, beyond), beneath);
       wide[c] = high - low;
-      extent_ = larger(extent_, wide[c]);
+      extent_ = greater_of(extent_, wide[c]);
     }
     if (ballot(bad) != 0 || !(extent_ > 0x1p-100) || !(extent_ < 0x1p100)) return false;
     // 2 to the power of minus the exponent after reach's.
@@ -346,11 +345,6 @@ class WarpHull {
     return sum > bound ? 1 : sum < -bound ? -1 : 0;
   }
 
-  __device__ static double larger(double x, double y) {
-    const double a = fabs(x), b = fabs(y);
-    return a > b ? a : b;
-  }
-
   __device__ void locate(unsigned p, float (&q)[D]) const {
 #pragma unroll
     for (unsigned c = 0; c < D; ++c) q[c] = local(c, p);
@@ -384,7 +378,7 @@ class WarpHull {
 #pragma unroll
     for (unsigned c = 0; c < D; ++c) {
       d[c] = place(c, v) - place(c, a);
-      reach = larger(d[c], reach);
+      reach = greater_of(reach, absolute(d[c]));
     }
     return reach;
   }

@@ -7,9 +7,12 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <memory>
+#include <new>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cuda/gauge.hpp"
@@ -561,6 +564,116 @@ TEST_F(EmulatedEdges, EveryAllocationMayFail) {
           outcome([&] { return convex_hull(here, options); }, backend);
         });
       }
+}
+
+/// A caller's allocator: the run-time library's memory, counted.
+struct CountedMemory {
+  std::map<void*, std::size_t> live;
+  std::uint64_t allocations = 0, fails_from = ~std::uint64_t{0};
+  bool throws = false;  ///< where there is no memory
+
+  std::shared_ptr<const DeviceAllocator> allocator() {
+    return std::make_shared<DeviceAllocator>(
+        DeviceAllocator{[this](std::size_t bytes, void*) { return allocate(bytes); },
+                        [this](void* memory, std::size_t bytes, void*) {
+      EXPECT_EQ(live[memory], bytes);
+      live.erase(memory);
+      check(cudaFree(memory));
+                        }});
+  }
+  void* allocate(std::size_t bytes) {
+    EXPECT_GT(bytes, 0U);
+    if (++allocations >= fails_from) {
+      if (throws) throw std::bad_alloc();
+      void* none = nullptr;
+      EXPECT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);  // leaves its error unread
+      return nullptr;
+    }
+    void* memory = nullptr;
+    check(cudaMalloc(&memory, bytes));
+    live[memory] = bytes;
+    return memory;
+  }
+};
+
+TEST_F(EmulatedEdges, ACallersAllocatorGivesAllDeviceMemory) {
+  const auto rows = ball(3, 8000, 5), wide = testing_support::made<float>("gauss", 8000, 4, 5);
+  const std::vector<std::uint64_t> offsets{0, 50, 54, 8000};
+  const OnDevice there(rows), wide_there(wide), answers(std::vector<Side>(8000));
+  const auto view = DevicePointView::row_major(there.data<float>(), 8000, 3);
+  const auto here = PointView::row_major(rows.data(), 8000, 3);
+  const std::uint64_t expected = plain_hash(rows, 3);
+  Options options = on_device(CullMethod::automatic);
+  std::vector<std::shared_ptr<void>> results;
+  const auto keep = [&]<class Result>(Result&& result) {
+    results.push_back(std::make_shared<Result>(std::move(result)));
+  };
+  const std::function<void()> calls[] = {
+      [&] { EXPECT_EQ(canonical_hash(convex_hull(view, options)), expected); },
+      [&] { EXPECT_EQ(canonical_hash(convex_hull(here, options)), expected); },
+      [&] {
+    Options map = options;
+    map.cull = CullMethod::gauge;
+    (void)convex_hull(DevicePointView::row_major(wide_there.data<float>(), 8000, 4), map);
+      },
+      [&] {
+    Options paper = options;
+    paper.cull = CullMethod::pseudo_hull;
+    EXPECT_EQ(canonical_hash(convex_hull(view, paper)), expected);
+  },
+                              [&] { keep(convex_hull_on_device(view, options)); },
+                              [&] {
+    keep(convex_hull_on_device(DevicePointView::row_major(there.data<float>(), 10, 3), options));
+  },
+      [&] { (void)convex_hulls(view, offsets.data(), 3, options); },
+      [&] {
+    keep(convex_hulls_on_device(view, offsets.data(), 3, options,
+                                {.planes = true, .measures = true}));
+      },
+      [&] {
+    keep(convex_hulls_on_device(DevicePointView::row_major<float>(nullptr, 0, 3), offsets.data(), 0,
+                                options));
+      },
+      [&] {
+    HullTracker tracker(options);
+    tracker.update(view);
+    EXPECT_EQ(canonical_hash(tracker.update(view)), expected);
+    keep(std::move(tracker));
+      },
+      [&] {
+    HullQuery query(here, convex_hull(here));
+    query.sides_on_device(view, answers.data<Side>(), options);
+    keep(std::move(query));
+      },
+      };
+  keep_memory(0);
+  check(cudaDeviceSynchronize());
+  const std::size_t before = emulation::counters().live_bytes;
+  for (const auto& call : calls) {
+    const auto which = &call - calls;
+    CountedMemory memory;
+    options.device_allocator = memory.allocator();
+    emulation::restart();
+    call();
+    EXPECT_EQ(emulation::counters().allocations, memory.allocations) << which << ": its own pool";
+    EXPECT_EQ(memory.live.empty(), results.empty()) << which;
+    options.device_allocator = nullptr;
+    results.clear();
+    EXPECT_TRUE(memory.live.empty()) << which;
+    EXPECT_EQ(emulation::counters().live_bytes, before) << which;
+    const std::uint64_t steps = memory.allocations;
+    EXPECT_GT(steps, 0U) << which;
+    options.device_allocator = memory.allocator();
+    for (memory.fails_from = 1; memory.fails_from <= steps; memory.fails_from += 1 + steps / 6) {
+      memory.throws = !memory.throws;
+      memory.allocations = 0;
+      const std::string said = error_of(call);
+      EXPECT_TRUE(said.empty() || testing_support::has(said, "the CUDA device ran out of memory"));
+      EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess) << which;
+      results.clear();
+      EXPECT_TRUE(memory.live.empty()) << which << ", " << memory.fails_from << " of " << steps;
+    }
+  }
 }
 
 // Without the memory to find the leaders of all points, the map is a sample's.
