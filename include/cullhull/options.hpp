@@ -73,9 +73,10 @@ struct Options {
   CULLHULL_RUN_OPTIONS
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
-  /// The CUDA device for points in host memory; -1: the calling thread's current one. Points in a
-  /// device's memory are processed by that device.
+  /// The CUDA device for points in host memory; -1: the calling thread's current one; every_device:
+  /// all of them, for a part each. Points in a device's memory are processed by that device.
   int device = -1;
+  static constexpr int every_device = -2;
   /// Whether the hull carries the coordinates of its vertices (Hull::vertex_coordinates), so that
   /// certify, HullQuery, HullState and write_hull need no points beside it. Used by convex_hull,
   /// HullTracker, HullStream, HullState::hull and hull_from_json.

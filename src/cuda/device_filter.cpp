@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -364,32 +365,49 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run,
 
 void filter_there(const PointView& points, const GaugeMap* map, const std::string& where,
                   const Run& run, Filtered& result) {
-  const DeviceScope scope(device_or_current(run.options.device).ordinal, run.options);
+  const std::vector<int> devices = devices_for(run.options.device);
   if (map == nullptr && !surface_of_all_pays(points.dimension, points.count, run)) return;
-  std::vector<std::uint64_t> all;
-  Filtered found;
-  const auto filter = [&](std::uint64_t first, std::uint64_t n) {
-    const CudaStream stream;
-    const Settled settled(stream.get());  // an allocator may know the memory by the stream
-    DevicePointView there;
-    const DeviceArray<std::byte> rows = uploaded_points(points, first, n, stream.get(), run, there);
-    found = {};
-    found.survivors.all = true;
-    found.survivors.reason = result.survivors.reason;
-    const DeviceRequest request{.hull = n == points.count, .rows = false};
-    const std::optional<Kept> kept =
-        DeviceFilter(there, run, request).kept_by(map, true, where, found);
-    if (!kept || found.survivors.all) return;
-    kept->ids.append_to(all, first, stream.get());
-    if (n != points.count) found.survivors.reason += "; in pieces that fit its memory";
-  };
-  if (map != nullptr)
-    in_pieces(points.count, points.count, run.control, filter);
-  else
-    filter(0, points.count);
-  result.survivors = std::move(found.survivors);
-  result.survivors.ids = std::move(all);
-  result.triangles = std::move(found.triangles);
+  // Without a map a part may leave all of its points, as on a sphere: one device has them all.
+  constexpr std::uint64_t least = std::uint64_t{1} << 16;  // for a part: fewer take no time
+  const std::uint64_t parts =
+      map == nullptr ? 1 : std::clamp<std::uint64_t>(points.count / least, 1, devices.size());
+  Options of_part = run.options;
+  of_part.threads = run.threads;
+  of_part.memory_budget = run.budget;
+  if (parts > 1) of_part.progress = {};  // a part may be another thread's
+  const Run part_run(of_part);
+  std::vector<std::vector<std::uint64_t>> left(parts);
+  std::vector<Filtered> found(parts);
+  run.each_item(parts, [&](std::uint64_t p) {
+    const DeviceScope scope(devices[p], of_part);
+    const std::uint64_t begin = points.count * p / parts,
+                        count = points.count * (p + 1) / parts - begin;
+    const auto filter = [&](std::uint64_t first, std::uint64_t n) {
+      const CudaStream stream;
+      const Settled settled(stream.get());  // an allocator may know the memory by the stream
+      DevicePointView there;
+      const DeviceArray<std::byte> rows =
+          uploaded_points(points, begin + first, n, stream.get(), part_run, there);
+      found[p] = {};
+      found[p].survivors.all = true;
+      found[p].survivors.reason = result.survivors.reason;
+      const DeviceRequest request{.hull = n == points.count, .rows = false};
+      const std::optional<Kept> kept =
+          DeviceFilter(there, part_run, request).kept_by(map, true, where, found[p]);
+      if (!kept || found[p].survivors.all) return;
+      kept->ids.append_to(left[p], begin + first, stream.get());
+      if (n != count) found[p].survivors.reason += "; in pieces that fit its memory";
+    };
+    if (map != nullptr)
+      in_pieces(count, count, part_run.control, filter);
+    else
+      filter(0, count);
+  });
+  result.survivors = std::move(found[0].survivors);
+  if (parts > 1) result.survivors.reason += "; on " + std::to_string(parts) + " devices";
+  for (const auto& ids : left)
+    result.survivors.ids.insert(result.survivors.ids.end(), ids.begin(), ids.end());
+  result.triangles = std::move(found[0].triangles);
 }
 
 }  // namespace cullhull::internal

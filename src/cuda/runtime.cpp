@@ -172,6 +172,19 @@ const Device& this_device() {
   return device(ordinal);
 }
 
+std::vector<int> devices_for(int option) {
+  std::vector<int> all{device_or_current(option).ordinal};
+  int count = 0;
+  if (option != Options::every_device) return all;
+  check(cudaGetDeviceCount(&count), "counting the devices");
+  for (int other = 0; other < count; ++other) try {
+      if (other != all[0]) all.push_back(device(other).ordinal);
+    } catch (const Failure&) {
+      // It cannot be used: the others are.
+    }
+  return all;
+}
+
 bool cuda_started() noexcept { return found_one; }
 
 void* driver_function(const char* name) noexcept {

@@ -48,6 +48,10 @@ inline const Device& device_or_current(int ordinal) {
   return ordinal < 0 ? this_device() : device(ordinal);
 }
 
+/// The devices that Options::device names, the first of which throws Failure if it cannot be used;
+/// of every_device the others that can.
+std::vector<int> devices_for(int option);
+
 /// What DeviceScope does about an error of the run-time library that the caller has left unread.
 enum class Unread {
   reported,  ///< throws Failure; the error stays unread, and the caller can still ask for it

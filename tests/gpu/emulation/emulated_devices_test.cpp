@@ -4,7 +4,12 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "device_sets.hpp"
@@ -71,6 +76,56 @@ TEST(EmulatedDevices, HostPointsGoToTheDeviceThatTheOptionsName) {
   EXPECT_EQ(current_cuda_device(), 1);
   options.device = 2;
   EXPECT_THROW(convex_hull(points, options), Error);
+}
+
+// Where a map pays, each device filters a part; a part of fewer than 65,536 points is not worth
+// one.
+TEST(EmulatedDevices, EveryDeviceFiltersAPartOfTheHostsPoints) {
+  emulation::settings().devices = 4;
+  emulation::settings().unusable_device = 2;
+  Options options = on_device();
+  options.device = Options::every_device;
+  options.threads = 3;
+  const auto caller = std::this_thread::get_id();
+  options.progress = [&](const char*, double) { EXPECT_EQ(std::this_thread::get_id(), caller); };
+  std::mutex mutex;
+  std::set<int> used;
+  options.device_allocator = std::make_shared<DeviceAllocator>(DeviceAllocator{
+      [&](std::size_t bytes, void*) {
+    int device = -1;
+    void* memory = nullptr;
+    check(cudaGetDevice(&device));
+    check(cudaMalloc(&memory, bytes));
+    const std::lock_guard lock(mutex);
+    used.insert(device);
+    return memory;
+      },
+      [](void* memory, std::size_t, void*) { check(cudaFree(memory)); }});
+  struct Case {
+    const char* shape;
+    std::size_t n, devices;
+  };
+  for (const Case& c :
+       {Case{"ball", 0, 0}, Case{"ball", 1, 0}, Case{"ball", 10, 1}, Case{"ball", 100'000, 1},
+        Case{"ball", 140'001, 2}, Case{"ball", 200'000, 3}, Case{"sphere", 8000, 1}}) {
+    const auto rows = testing_support::made<float>(c.shape, c.n, 3, 6);
+    options.cull = c.shape[0] == 'b' ? CullMethod::gauge : CullMethod::automatic;
+    if (c.n == 0) options.cull = CullMethod::automatic;
+    used.clear();
+    const Hull hull = convex_hull(PointView::row_major(rows.data(), c.n, 3), options);
+    EXPECT_EQ(canonical_hash(hull), plain_hash(rows, 3)) << c.n;
+    EXPECT_EQ(used.size(), c.devices) << c.n << hull.statistics.cull_reason;
+    EXPECT_EQ(testing_support::has(hull.statistics.cull_reason,
+                                   "on " + std::to_string(c.devices) + " devices"),
+              c.devices > 1)
+        << hull.statistics.cull_reason;
+  }
+  auto rows = ball(3, 200'000, 6);
+  rows[3 * 190'000 + 1] = NAN;
+  const auto points = PointView::row_major(rows.data(), 200'000, 3);
+  EXPECT_TRUE(testing_support::has(
+      testing_support::error_of(ErrorCode::not_finite, [&] { convex_hull(points, options); }),
+      "point 190000,"));
 }
 
 // Unified addressing: a copy may name the memory of devices that are not current.
