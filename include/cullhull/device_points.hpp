@@ -98,6 +98,11 @@ int chosen_cuda_device() noexcept;
 /// Error{backend_unavailable}.
 void wait_for_cuda_stream(void* stream);
 
+/// A stream of the library's on this device, which no other one waits for, for a DevicePointView
+/// whose producer orders its work before it (DLPack). With its last copy it is the library's again.
+/// Throws Error{backend_unavailable}.
+std::shared_ptr<void> device_stream(int device);
+
 /// Waits for all work of the device that holds this memory, for arrays whose producer does not name
 /// its stream. Throws Error{backend_unavailable}, and Error{invalid_argument} for memory of no
 /// device.

@@ -61,6 +61,7 @@ Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t
   internal::refuse_cuda();
 }
 DeviceMemory device_memory(const DevicePointView&, std::uint64_t) { internal::refuse_cuda(); }
+std::shared_ptr<void> device_stream(int) { internal::refuse_cuda(); }
 void wait_for_cuda_stream(void*) { internal::refuse_cuda(); }
 void wait_for_cuda_device_of(const void*) { internal::refuse_cuda(); }
 

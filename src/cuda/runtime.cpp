@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "cuda/reason.hpp"
+#include "cullhull/device_points.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
 namespace cullhull::internal {
@@ -433,3 +434,27 @@ void drop_device_memory() noexcept {
 }
 
 }  // namespace cullhull::internal
+
+std::shared_ptr<void> cullhull::device_stream(int ordinal) {
+  using namespace internal;
+  static auto& idle = *new std::multimap<int, cudaStream_t>;  // under the lock of the devices
+  const DeviceScope scope(device(ordinal).ordinal, Unread::ignored);
+  cudaStream_t stream = nullptr;
+  {
+    const std::lock_guard lock(devices_mutex());
+    if (const auto found = idle.find(ordinal); found != idle.end()) {
+      stream = found->second;
+      idle.erase(found);
+    }
+  }
+  if (stream == nullptr)
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "creating a stream");
+  return {stream, [ordinal](void* unused) {
+            try {
+              const std::lock_guard lock(devices_mutex());
+              idle.emplace(ordinal, static_cast<cudaStream_t>(unused));
+            } catch (const std::bad_alloc&) {
+              (void)cudaStreamDestroy(static_cast<cudaStream_t>(unused));
+            }
+          }};
+}

@@ -97,7 +97,8 @@ class DeviceArray(Made):
 
     It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
     ``cupy.asarray(a)``, ``numba.cuda.as_cuda_array(a)`` and ``jax.dlpack.from_dlpack(a)`` view it
-    without a copy. It is complete, so it has no stream to wait for.
+    without a copy. It is complete when the call returns, so a stream that reads it, whatever
+    ``__dlpack__`` is told, need not wait.
 
     Examples
     --------
@@ -164,16 +165,17 @@ class DeviceArray(Made):
 
 
 def _from_dlpack(points: Any) -> _core.DevicePoints:
-    """Names the stream that reads: without it a library may order nothing."""
+    """Names the stream that reads, one of the library's: the default stream would wait for others."""
+    stream = _core.DeviceStream(operator.index(points.__dlpack_device__()[1]))
     try:
-        capsule = points.__dlpack__(stream=_LEGACY_DEFAULT_STREAM)
+        capsule = points.__dlpack__(stream=stream.handle)
     except BufferError as error:
         raise InvalidArgument(f"`points`: {error}") from None
     except TypeError:  # no stream can be named: wait for all work of the device
         view = _core.DevicePoints.from_dlpack(points.__dlpack__(), points)
         _core.wait_for_cuda_device_of(view.data)
         return view
-    return _core.DevicePoints.from_dlpack(capsule, points)
+    return _core.DevicePoints.from_dlpack(capsule, points, stream)
 
 
 def _ordered_stream(interface: dict[str, Any], address: int) -> int:

@@ -39,9 +39,9 @@ DevicePoints from_interface(std::uintptr_t data, std::uint64_t count, std::uint3
   return points;
 }
 
-/// A DLPack capsule whose producer was asked to order its work before the default stream, which the
-/// view uses: points, or sets of them, shape (sets, n, d), that follow one another at equal steps.
-DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
+/// A DLPack capsule whose producer was asked to order its work before `stream`; null: its work is
+/// done. Points, or sets of them, shape (sets, n, d), that follow one another at equal steps.
+DevicePoints from_dlpack(const nb::object& capsule, nb::object owner, const DeviceStream* stream) {
   const auto array = nb::cast<nb::ndarray<nb::ro>>(capsule);
   const bool is_double = array.dtype() == nb::dtype<double>();
   if (!is_double && array.dtype() != nb::dtype<float>())
@@ -63,6 +63,8 @@ DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
       reinterpret_cast<std::uintptr_t>(array.data()), sets * each,
       static_cast<std::uint32_t>(array.shape(last)), array.stride(last - 1) * size,
       array.stride(last) * size, is_double, 0, nb::make_tuple(std::move(owner), std::move(keep)));
+  if (stream != nullptr) points.stream = stream->stream;
+  points.view.stream = points.stream.get();
   if (many) {
     points.sets = static_cast<std::int64_t>(sets);
     points.set_size = static_cast<std::int64_t>(each);
@@ -108,6 +110,17 @@ nb::typed<nb::dict, nb::str, nb::any> cuda_status() {
 }  // namespace
 
 void bind_device(nb::module_& m) {
+  nb::class_<DeviceStream>(m, "DeviceStream", "A stream of the library's on a device.")
+      .def(
+          "__init__",
+          [](DeviceStream* self, int device) {
+    const nb::gil_scoped_release release;
+    new (self) DeviceStream{cullhull::device_stream(device)};
+          },
+          nb::arg("device"))
+      .def_prop_ro("handle", [](const DeviceStream& s) {
+        return reinterpret_cast<std::uintptr_t>(s.stream.get());
+      });
   nb::class_<DevicePoints>(m, "DevicePoints", "Points in a device's memory, and their owner.")
       .def_prop_ro(
           "data",
@@ -118,7 +131,8 @@ void bind_device(nb::module_& m) {
       .def_static("from_interface", from_interface, nb::arg("data"), nb::arg("count"),
                   nb::arg("dimension"), nb::arg("point_stride"), nb::arg("coordinate_stride"),
                   nb::arg("is_double"), nb::arg("stream"), nb::arg("owner"))
-      .def_static("from_dlpack", from_dlpack, nb::arg("capsule"), nb::arg("owner"));
+      .def_static("from_dlpack", from_dlpack, nb::arg("capsule"), nb::arg("owner"),
+                  nb::arg("stream").none() = nb::none());
   m.def("convex_hull_of_device_points", convex_hull, nb::arg("points"), nb::arg("settings").none());
   m.def("cull_device_points", cull, nb::arg("points"), nb::arg("settings").none());
   m.def("cuda_status", cuda_status);

@@ -279,8 +279,14 @@ class FakeCore:
             return fields
 
         @classmethod
-        def from_dlpack(cls, capsule, owner):
-            return cls()
+        def from_dlpack(cls, capsule, owner, stream=None):
+            view = cls()
+            view.stream = stream
+            return view
+
+    class DeviceStream:
+        def __init__(self, device):
+            self.device, self.handle = device, 4096 + device
 
     def __init__(self):
         self.waited = []
@@ -331,15 +337,16 @@ def test_dlpack_is_told_the_stream_that_reads(fake_core):
             self.asked = arguments
             return "capsule"
 
-    maker = Maker(CUBE, device=(2, 0))
-    assert as_device_points(maker) is not None
-    assert maker.asked == {"stream": 1} and fake_core.waited == []
+    maker = Maker(CUBE, device=(2, 3))
+    view = as_device_points(maker)
+    assert maker.asked == {"stream": view.stream.handle} and view.stream.device == 3
+    assert fake_core.waited == []
 
     class OldMaker(Dlpack):
         def __dlpack__(self):
             return "capsule"
 
-    assert as_device_points(OldMaker(CUBE, device=(2, 0))) is not None
+    assert as_device_points(OldMaker(CUBE, device=(2, 0))).stream is None
     assert fake_core.waited == [("device", 1 << 20)]
 
 
@@ -372,7 +379,7 @@ def test_dlpack_comes_before_an_interface_that_names_no_stream(fake_core):
     for changes in ({}, {"stream": None}):
         maker = Both(**changes)
         assert isinstance(as_device_points(maker), FakeCore.DevicePoints)
-        assert maker.asked == {"stream": 1} and fake_core.waited == []
+        assert maker.asked == {"stream": 4096} and fake_core.waited == []
     named = Both(stream=1234)
     assert as_device_points(named)[6] == 1234 and named.asked is None
 

@@ -47,4 +47,13 @@ EXPORTED cudaStream_t emulated_stream() {
   (void)cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking);
   return stream;
 }
+/// What is put on `stream` from now on waits for all that `other` has to do.
+EXPORTED int emulated_order(cudaStream_t stream, cudaStream_t other) {
+  cudaEvent_t event = nullptr;
+  int error = cudaEventCreateWithFlags(&event, cudaEventDisableTiming);
+  if (error == cudaSuccess) error = cudaEventRecord(event, other);
+  if (error == cudaSuccess) error = cudaStreamWaitEvent(stream, event, 0);
+  (void)cudaEventDestroy(event);
+  return error;
+}
 }

@@ -25,6 +25,7 @@ free = _function("free", None, _pointer)
 upload = _function("upload", ctypes.c_int, _pointer, _pointer, _size, _pointer)
 download = _function("download", ctypes.c_int, _pointer, _pointer, _size, _pointer)
 stream = _function("stream", _pointer)
+order = _function("order", ctypes.c_int, _pointer, _pointer)
 
 _function("count_waits", None)()
 

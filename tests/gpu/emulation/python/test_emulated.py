@@ -67,3 +67,31 @@ def test_no_call_waits_with_the_lock_held():
         question(there, backend="cuda"), question(there, on_device=True)
     gc.collect()
     assert emulated.waits() > waited + 20 and emulated.waits_with_lock() == before
+
+
+class Dlpack:
+    """Nothing but DLPack of an array."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, stream):
+        return self.array.__dlpack__(stream)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
+def test_dlpack_orders_streams():
+    """Work on a stream is done late here: what is not waited for is seen undone."""
+    points = cullhull.generate("ball", 20_000, 3).astype(np.float32)
+    expected = cullhull.convex_hull(points, backend="cpu")
+    stream = cupy.cuda.Stream(non_blocking=True)
+    with stream:
+        hull = cullhull.convex_hull_on_device(Dlpack(cupy.asarray(points)))
+        assert np.array_equal(cupy.asnumpy(cupy.from_dlpack(hull.simplices)), expected.simplices)
+        batch = cullhull.convex_hulls_on_device(Dlpack(cupy.asarray(SETS)))
+        assert np.array_equal(
+            cupy.asnumpy(cupy.from_dlpack(batch.vertices)),
+            cullhull.convex_hulls(SETS).vertices.items,
+        )
