@@ -30,7 +30,13 @@ struct CUstream_st {
 namespace emulation {
 namespace {
 
-Settings the_settings;
+Settings at_first() {
+  Settings settings;
+  if (const char* const bytes = std::getenv("CULLHULL_DEVICE_MEMORY"))
+    settings.memory = std::strtoull(bytes, nullptr, 10);
+  return settings;
+}
+Settings the_settings = at_first();
 Counters the_counters;
 /// A start of the random order of threads and streams. CULLHULL_DEVICE_SEED gives all others.
 std::uint64_t random_start(std::uint64_t seed) {
