@@ -103,7 +103,7 @@ Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePo
 namespace {
 
 /// Packed rows in the device's memory are copied. Others a kernel writes into pinned memory, where
-/// it reads the ids, too: a full device has no other.
+/// it reads the ids, too: a full device has no other. Where there is none, it packs them there.
 template <class T>
 Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
                           std::uint64_t count, const Run& run) {
@@ -112,18 +112,34 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
       std::min(count, std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d));
   const cudaStream_t stream = cuda_stream_of(points);
   const bool gathers = ids != nullptr || !points.packed_rows();
-  const std::shared_ptr<T> here = gathers ? pinned<T>(piece * d) : landing<T>(piece * d);
-  const auto ids_here = pinned<std::uint64_t>(ids != nullptr ? piece : 0);
+  const std::uint64_t listed = ids != nullptr ? piece : 0;
+  std::shared_ptr<T> here;
+  std::shared_ptr<std::uint64_t> ids_here;
+  DeviceArray<T> packed;
+  DeviceArray<std::uint64_t> ids_there;
+  try {
+    here = pinned<T>(piece * d);
+    ids_here = pinned<std::uint64_t>(listed);
+  } catch (const OutOfMemory&) {
+    here = landing<T>(piece * d);
+    if (gathers) packed = DeviceArray<T>(piece * d, stream);
+    ids_there = DeviceArray<std::uint64_t>(listed, stream);
+  }
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     run.check();
     const std::uint64_t n = std::min(piece, count - first);
     const DevicePointView part = ids == nullptr ? part_of(points, first, n) : points;
-    if (ids != nullptr) std::copy_n(ids + first, n, ids_here.get());
-    if (gathers)
+    if (packed.data() != nullptr) {
+      if (ids != nullptr) upload(ids_there.data(), ids + first, n, stream);
+      check(gather_rows(part, ids_there.data(), n, packed.data(), stream), "packing points");
+      begin_download(here.get(), packed.data(), n * d, stream);
+    } else if (gathers) {
+      if (ids != nullptr) std::copy_n(ids + first, n, ids_here.get());
       check(gather_rows(part, ids_here.get(), n, here.get(), stream), "gathering points");
-    else
+    } else {
       begin_download(here.get(), static_cast<const T*>(part.data), n * d, stream);
+    }
     synchronise(stream, "copying points from the device");
     run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::copy(here.get() + begin, here.get() + end, rows.data() + first * d + begin);
