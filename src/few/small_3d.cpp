@@ -71,20 +71,19 @@ class Builder {
   bool run(const Points& points, unsigned count, Hull& out) {
     begin(points, count);
     if (count_ < 4 || !measure(out) || !start()) return false;
-    Number order[most_points];
-    const unsigned left = outer_first(order);
-    for (unsigned i = 0; i < left && !given_up_; ++i) insert(order[i]);
+    if constexpr (Surface::linked)
+      insert_apart();
+    else
+      insert_all();
     if (given_up_) return false;
     if (!touched_) {
       order_small<Surface>(surface_, count_, nullptr, out);
       return true;
     }
-    MergedFacets<Surface> polygons;
-    CoplanarPair<Surface> pairs[3 * capacity / 2];
-    const unsigned pair_count = find_coplanar(pairs);
+    const unsigned pair_count = find_coplanar();
     if (given_up_) return false;
-    merge_small(surface_, pairs, pair_count, lowest_, polygons);
-    order_small<Surface>(surface_, count_, &polygons, out);
+    merge_small(surface_, pairs_, pair_count, lowest_, polygons_);
+    order_small<Surface>(surface_, count_, &polygons_, out);
     return true;
   }
 
@@ -99,6 +98,14 @@ class Builder {
     touched_ = given_up_ = false;
   }
   const double* axis(unsigned c) const { return points_->axes[c]; }
+
+  /// Its large arrays have left the stack before facets are merged.
+  HWY_NOINLINE void insert_apart() { insert_all(); }
+  HWY_INLINE void insert_all() {
+    Number order[most_points];
+    const unsigned left = outer_first(order);
+    for (unsigned i = 0; i < left && !given_up_; ++i) insert(order[i]);
+  }
 
   // ------------------------------------------------------------------------------------ the points
 
@@ -503,7 +510,7 @@ class Builder {
   }
 
   /// Lists the pairs of adjacent coplanar facets.
-  unsigned find_coplanar(CoplanarPair<Surface>* pairs) {
+  unsigned find_coplanar() {
     unsigned count = 0;
     for (unsigned f = 0; f < surface_.top; ++f) {
       if (!surface_.live(f)) continue;
@@ -517,7 +524,7 @@ class Builder {
         const float s = plane_[0][f] * near_[0][p] + plane_[1][f] * near_[1][p] +
                         plane_[2][f] * near_[2][p] - plane_[3][f];
         if (!(s < -doubt) && side(v[0], v[1], v[2], p) == Sign::zero)
-          pairs[count++] = {static_cast<Number>(f), static_cast<Number>(g)};
+          pairs_[count++] = {static_cast<Number>(f), static_cast<Number>(g)};
       }
     }
     return count;
@@ -541,6 +548,8 @@ class Builder {
   HWY_ALIGN float plane_[4][capacity];  // normals and offsets
   Number lowest_[most_points];          // the lowest id of equal points; valid if touched_
   Number free_[capacity];
+  CoplanarPair<Surface> pairs_[3 * capacity / 2];
+  MergedFacets<Surface> polygons_;
   Number
       beginning_[Surface::linked ? most_points : 1];  // the new facet whose edge begins at a vertex
 };

@@ -18,6 +18,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/threads/thread_memory.hpp"
 #include "query/device_questions.hpp"
 #include "query/facet_search.hpp"
 #include "query/vertex_search.hpp"
@@ -377,7 +378,7 @@ struct HullQuery::State::ManySides {
   /// Returns the index of the first point that is not finite, or view.count.
   template <class Out, class Of>
   std::uint64_t ask(std::uint64_t begin, std::uint64_t end, Out* out, const Of& of) const {
-    std::array<std::uint32_t, gauge_chunk> ids;
+    auto& ids = thread_memory<std::array<std::uint32_t, gauge_chunk>>();
     auto count = static_cast<std::uint32_t>(end - begin);
     if (inner != nullptr) {
       std::fill(out + begin, out + end, of(Side::inside));

@@ -7,6 +7,7 @@
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -105,7 +106,7 @@ void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& 
   std::vector<NumberedPoints> of_chunk(chunks, {kept.dimension, kept.scalar, {}, {}});
   run.each_chunk(block.count, gauge_chunk,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    std::array<std::uint32_t, gauge_chunk> positions;
+    auto& positions = thread_memory<std::array<std::uint32_t, gauge_chunk>>();
     const std::size_t left = cull_chunk(block, begin, end, positions.data());
     if (left > 0) of_chunk[c].append(block, begin, positions.data(), left, first_id);
   });

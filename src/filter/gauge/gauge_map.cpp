@@ -13,6 +13,7 @@
 #include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 
@@ -93,7 +94,7 @@ Array<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run
   static_assert(gauge_chunk <= 65536);
   run.each_chunk(points.count, gauge_chunk,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    std::array<std::uint32_t, gauge_chunk> ids;
+    auto& ids = thread_memory<std::array<std::uint32_t, gauge_chunk>>();
     const std::size_t n =
         gauge_survivors(*table_, points, begin, end, ids.data(), core ? &*core : nullptr);
     kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
