@@ -12,7 +12,7 @@
 # CULLHULL_NO_FETCH not without the network. JOBS: how many are compiled and run at once.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cross=$PWD/build/cross
+cross=$PWD/build/cross scripts=$PWD/scripts
 jobs=${JOBS:-$(nproc)}
 mirror=${CULLHULL_MIRROR:-http://deb.debian.org/debian}
 
@@ -104,25 +104,17 @@ find_suites() {
   [[ ${#tests[@]} -gt 0 ]] || { echo "cross-check: no such suite: ${wanted[*]}" >&2; exit 2; }
 }
 
-# The processor's libraries, fetched by an apt of our own so that the machine's is left as it is,
-# and this machine's headers of what is header-only.
+# The processor's libraries, and this machine's headers of what is header-only.
 make_root() {
   local root=$cross/$processor/root state=$cross/$processor/apt codename path
   [[ -e $root/complete ]] && return
   codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
   rm -rf "$root" "$state"
-  mkdir -p "$root" "$state/lists/partial" "$state/cache/archives/partial"
-  touch "$state/status"
-  echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $codename main" \
-    >"$state/sources.list"
-  local options=(-qq -o "APT::Architecture=$debian" -o "APT::Architectures=$debian"
-    -o "Dir::Etc::sourcelist=$state/sources.list" -o Dir::Etc::sourceparts=/dev/null
-    -o "Dir::State::lists=$state/lists" -o "Dir::State::status=$state/status"
-    -o "Dir::Cache=$state/cache" -o APT::Sandbox::User=root)
-  apt-get "${options[@]}" update || give_up "$mirror has not given its lists"
-  (cd "$state" && apt-get "${options[@]}" download libgmp-dev libgmp10 libhwy-dev libhwy1 \
-    libfmt-dev libfmt9 libgtest-dev \
-    zlib1g-dev zlib1g libzstd-dev libzstd1) || give_up "$mirror has not given the libraries"
+  mkdir -p "$root" "$state"
+  (cd "$state" && ARCHITECTURE=$debian "$scripts/apt-fetch.sh" . \
+    "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $codename main" \
+    download libgmp-dev libgmp10 libhwy-dev libhwy1 libfmt-dev libfmt9 libgtest-dev zlib1g-dev zlib1g \
+    libzstd-dev libzstd1)
   for path in "$state"/*.deb; do dpkg -x "$path" "$root"; done
   for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
     /usr/lib/cmake/FastFloat /usr/share/javascript/three; do
