@@ -36,7 +36,8 @@ void begin_rest() {
   if (time < until) return;  // a back-off lasts already
   const std::int64_t last = last_rest.load(std::memory_order_relaxed);
   const bool soon = last != 0 && time - until < 2 * last;
-  const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
+  const std::int64_t rest =
+      soon ? std::min<std::int64_t>(2 * last, longest_rest.count()) : first_rest.count();
   last_rest.store(rest, std::memory_order_relaxed);
   rest_until.store(time + rest, std::memory_order_relaxed);
 }
