@@ -1,12 +1,19 @@
-# Builds for macOS with zig (scripts/zig.sh):
+# Builds for another system with zig (scripts/zig.sh):
 #   -DCULLHULL_ZIG=FOLDER, of its compilers (bin) and libraries (deps), -DCULLHULL_ZIG_TARGET=TARGET
-string(REGEX MATCH "^[^-]+" CMAKE_SYSTEM_PROCESSOR "${CULLHULL_ZIG_TARGET}")
-set(CMAKE_SYSTEM_NAME Darwin)
-set(CMAKE_OSX_SYSROOT "" CACHE STRING "")  # zig has one
-set(CMAKE_INSTALL_NAME_TOOL true)  # nothing is installed
-# macOS's <math.h> includes <float.h> for INFINITY and NAN alone, and libc++'s <float.h>, which is
-# read once, would give nothing else to those who include it later.
-set(_float "-D__need_float_float= -D__need_infinity_nan=")
+string(REGEX MATCH "^([^-]+)-([^-.]+)" _name "${CULLHULL_ZIG_TARGET}")
+set(CMAKE_SYSTEM_PROCESSOR "${CMAKE_MATCH_1}")
+set(CMAKE_SYSTEM_NAME Linux)
+if(CMAKE_MATCH_2 STREQUAL "macos")
+  set(CMAKE_SYSTEM_NAME Darwin)
+  set(CMAKE_OSX_SYSROOT "" CACHE STRING "")  # zig has one
+  set(CMAKE_INSTALL_NAME_TOOL true)  # nothing is installed
+  # macOS's <math.h> includes <float.h> for INFINITY and NAN alone, and libc++'s <float.h>, which is
+  # read once, would give nothing else to those who include it later.
+  set(_float "-D__need_float_float= -D__need_infinity_nan=")
+else()
+  # musl gives threads 128 KiB where the program does not ask for more.
+  set(CMAKE_EXE_LINKER_FLAGS_INIT "-s -Wl,-z,stack-size=8388608")
+endif()
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_ZIG CULLHULL_ZIG_TARGET)
 set(CMAKE_C_COMPILER "${CULLHULL_ZIG}/bin/clang")
 set(CMAKE_CXX_COMPILER "${CULLHULL_ZIG}/bin/clang++")

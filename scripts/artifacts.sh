@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|wheel|wheels|windows|wheel-cuda|sdist|deb|sbom|sums|sizes ...
+#   scripts/artifacts.sh static|static-arm|wheel|wheels|windows|wheel-cuda|sdist|deb|sbom|sums|sizes ...
 #   static  the program as one file, for any Linux of the last years on this processor
+#   static-arm  the same for 64-bit ARM, with the C library musl, by zig (scripts/zig.sh)
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
 #   wheels  a wheel for each Python from 3.9 to 3.11 that is found, in PATH or in pyenv's folder,
@@ -14,9 +15,10 @@
 #   sbom    what the artifacts contain of others, as CycloneDX (scripts/sbom.py)
 #   sums    SHA256SUMS of all that lies there
 #   sizes   the table of all that lies there in docs/install.md
-# All but the sources are built against build/sysroot (scripts/portable-sysroot.sh); the packages'
-# library uses the C++ library of Debian 12. SOURCE_DATE_EPOCH (the time of the last commit if not
-# set) is the time of every file in those for Linux: the same commit gives the same bytes.
+# All for Linux on this processor but the sources are built against build/sysroot
+# (scripts/portable-sysroot.sh); the packages' library uses the C++ library of Debian 12.
+# SOURCE_DATE_EPOCH (the time of the last commit if not set) is the time of every file in those for
+# Linux: the same commit gives the same bytes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -45,6 +47,13 @@ make_static() {
     echo "artifacts: $file asks for shared libraries" >&2
     exit 1
   fi
+  echo "written: $file"
+}
+
+make_static-arm() {
+  local target=aarch64-linux-musl file=$dist/cullhull-$version-linux-aarch64
+  JOBS=$jobs scripts/zig.sh $target build/cross/$target cullhull_app
+  install build/cross/$target/bin/cullhull "$file"
   echo "written: $file"
 }
 
@@ -173,11 +182,11 @@ PY
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | wheel | wheels | windows | wheel-cuda | sdist | deb | sbom | sums | sizes)
+    static | static-arm | wheel | wheels | windows | wheel-cuda | sdist | deb | sbom | sums | sizes)
       "make_$artifact"
       ;;
     *)
-      sed -n '2,21s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,22s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

@@ -2,12 +2,12 @@
 # Installs what scripts/artifacts.sh has put into build/dist into empty systems and runs it there:
 #   scripts/check-artifacts.sh         in Debian 11, 12, 13 and testing without a compiler, which
 #                                      debootstrap makes in build/roots (as root, with a mirror);
-#                                      ROOTS="bookworm bullseye" names others. The static program also
-#                                      in a folder with nothing else, that for Windows in an empty
-#                                      prefix of wine, where wine is installed
+#                                      ROOTS="bookworm bullseye" names others. The static programs also
+#                                      in a folder with nothing else, that for ARM by qemu, that for
+#                                      Windows in an empty prefix of wine, where these are installed
 #   scripts/check-artifacts.sh --here  without root and network: what can be run on this machine
 #   scripts/check-artifacts.sh --rebuild  builds the commit again, in another folder and without
-#                                      ccache, and compares every artifact of it byte by byte
+#                                      ccache, and compares what is for this machine byte by byte
 # Every artifact must give the hull of data/autzen-150k.ply, as JSON, bit for bit alike, also of the
 # same points as .gz, .zst and .npz, certify it, and give their triangulation; PROGRAM names the built
 # program that says how they are. Exit status 77: nothing to check, or not here.
@@ -44,8 +44,16 @@ broken() {
 
 static=$dist/cullhull-$version-linux-$(uname -m)
 shopt -s nullglob
+statics=("$dist/cullhull-$version"-linux-*)
 wheels=("$dist/cullhull-$version"-*linux*.whl)
 exe=$dist/cullhull-$version-windows-x86_64.exe
+# find_launch FILE: sets `launch`, which runs it. False where that is not installed.
+find_launch() {
+  launch=()
+  [[ $1 == *"-$(uname -m)" ]] && return
+  launch=(qemu-aarch64-static)
+  command -v "${launch[0]}" >/dev/null || { echo "left out: no ${launch[0]} for ${1##*/}" && false; }
+}
 debs=("$dist"/*cullhull*_"$version"_*.deb)
 [[ -e $static || ${#wheels[@]} -gt 0 || ${#debs[@]} -gt 0 ]] ||
   give_up "build/dist has no artifact of $version (make static, wheel, deb)"
@@ -106,12 +114,14 @@ rebuild() {
 }
 
 here() {
-  if [[ -e $static ]]; then
-    hulls "static program" "$static"
+  local file launch
+  for file in "${statics[@]}"; do
+    find_launch "$file" || continue
+    hulls "static program, ${file##*-}" "${launch[@]}" "$file"
     checks=$((checks + 1))
-    "$static" --licenses >"$scratch/licences"
-    grep -q '^==== LGPL-2.1 (glibc) ====' "$scratch/licences" || broken "no licences in $static"
-  fi
+    "${launch[@]}" "$file" --licenses >"$scratch/licences"
+    grep -q '^==== LGPL-2.1 (glibc) ====' "$scratch/licences" || broken "no licences in $file"
+  done
   if [[ -e $exe ]] && command -v wine >/dev/null; then
     hulls "program for Windows" env -u DISPLAY -u WAYLAND_DISPLAY "WINEPREFIX=$scratch/wine" \
       WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml,winemenubuilder.exe=' wine "$exe"
@@ -193,22 +203,24 @@ within() {
   fi
 }
 
-# The static program in a root that has nothing else.
+# try_alone FILE: a static program in a root that has nothing else.
 try_alone() {
-  local folder=$scratch/alone input
+  local folder=$scratch/alone-${1##*-} name="static program alone, ${1##*-}" input launch
+  find_launch "$1" || return 0
   mkdir -p "$folder/tmp"
   cp "$inputs"/* "$scratch/expected.json" "$folder"
-  cp "$static" "$folder/cullhull"
-  alone() { chroot "$folder" /cullhull "$@" >"$scratch/log" 2>&1; }
+  cp "$1" "$folder/cullhull"
+  [[ ${#launch[@]} -eq 0 ]] || cp "$(command -v "${launch[0]}")" "$folder"
+  alone() { chroot "$folder" "${launch[@]/#//}" /cullhull "$@" >"$scratch/log" 2>&1; }
   for input in "${names[@]}"; do
     rm -f "$folder/hull.json"
     alone hull "/$input" -q -o /hull.json || true
-    same "static program alone: hull of $input" "$folder/hull.json"
+    same "$name: hull of $input" "$folder/hull.json"
   done
-  alone certify /points.ply /expected.json || broken "static program alone: certify"
-  alone info /points.ply || broken "static program alone: info"
+  alone certify /points.ply /expected.json || broken "$name: certify"
+  alone info /points.ply || broken "$name: info"
   alone delaunay /points.ply -q -o /cells.json || true
-  same "static program alone: delaunay" "$folder/cells.json" "$scratch/cells.json"
+  same "$name: delaunay" "$folder/cells.json" "$scratch/cells.json"
 }
 
 # inside_hulls NAME ROOT COMMAND...: of every input, in the root.
@@ -312,7 +324,7 @@ case "${1:-}" in
     [[ $(id -u) -eq 0 ]] || give_up "a root is made as root (--here needs none)"
     command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh roots)"
     here
-    if [[ -e $static ]]; then try_alone; fi
+    for file in "${statics[@]}"; do try_alone "$file"; done
     for codename in ${ROOTS:-bookworm bullseye trixie testing}; do
       try_root "$codename"
     done

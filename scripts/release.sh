@@ -8,7 +8,7 @@
 # 1. Checks: nothing uncommitted, a version above all tags, a changelog with something unreleased.
 # 2. Writes the version into every place (scripts/stamp.py), its section into CHANGELOG.md and the
 #    date into CITATION.cff, commits that and tags it vVERSION.
-# 3. Builds static program, wheels, files for Windows, sources, packages, their list of contents and
+# 3. Builds static programs, wheels, files for Windows, sources, packages, their list of contents and
 #    checksums (scripts/artifacts.sh) into build/dist, where notes-VERSION.md is the text of the release.
 # Pushes nothing: it prints the command. On the tag, GitHub builds all artifacts anew and publishes
 # them (.github/workflows/release.yml). ARTIFACTS names what is built (none: ARTIFACTS=).
@@ -32,7 +32,7 @@ case "${2:-}" in
   *) usage ;;
 esac
 [[ $# -le 2 ]] || usage
-artifacts=${ARTIFACTS-static wheels windows sdist deb sbom sums}
+artifacts=${ARTIFACTS-static static-arm wheels windows sdist deb sbom sums}
 
 git rev-parse --git-dir >/dev/null 2>&1 || fail "this is not a clone"
 [[ -z $(git status --porcelain) ]] || fail "there are uncommitted changes"
@@ -54,7 +54,9 @@ if $dry; then
   # What was fetched or is of others, not of the tree; and what ccache has compiled here.
   mkdir -p build
   [[ ! -e $here/build/sysroot/complete ]] || cp -r "$here/build/sysroot" build/
-  [[ -z $artifacts ]] || { mkdir -p "$here/build/roots" && ln -s "$here/build/roots" build/; }
+  for name in ${artifacts:+roots zig}; do
+    mkdir -p "$here/build/$name" && ln -s "$here/build/$name" build/
+  done
   export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 fi
 
