@@ -220,11 +220,14 @@ results() { # results NAME: what its log counts
     { echo "$1: no result"; good=false; }
 }
 
-# The shared library, as a stranger's project uses it; where it is missing, the system's loader
-# names it in one line.
+# The shared library exports public names alone. As a stranger's project uses it; where it is missing,
+# the system's loader names it in one line.
 library_test() {
   local place=$tree/consumer
   [[ -e $sdk ]] || make_build
+  ! $triplet-objdump -p "$sdk/bin/cullhull.dll" |
+    awk '/\[Ordinal.Name/ { on = 1; next } !NF { on = 0 } on { print $NF }' |
+    grep -Ev '^_Z(NK?|T[ISV]N)8cullhull([^8]|8[^i]|8internal1[04](free|allocate)_block)' || return 1
   rm -rf "$place"
   cmake -S tests/package/consumer -B "$place" -G Ninja "${cross[@]}" \
     "-DCULLHULL_CROSS_ROOT=$root;$sdk" >/dev/null
