@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <mutex>
 #include <numeric>
 #include <optional>
 
@@ -17,6 +16,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
+#include "parallel/threads/once.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 #include "query/device_questions.hpp"
@@ -129,14 +129,14 @@ struct HullQuery::State {
   std::uint32_t facet_of(const std::vector<std::uint32_t>& corners, const double* p) const;
   /// The gauge map of the whole hull, built at the first call; null where there is none.
   const GaugeMap* map() const {
-    std::call_once(map_once, [this] {
+    map_once.call([this] {
       if (polytope.dimension != 0) gauge_map = GaugeMap::build(polytope);
     });
     return gauge_map.get();
   }
   /// The facet cells, built at the first call; null where there are none.
   const FacetCells* facet_cells(const Run& run) const {
-    std::call_once(cells_once, [&] {
+    cells_once.call([&] {
       if (points.k == points.dimension && facets) cells = FacetCells::build(*facets, points, run);
       cells_built = true;
     });
@@ -149,7 +149,7 @@ struct HullQuery::State {
   }
   /// The tables for a device, built at the first call; null where it does not support the hull.
   const HullTables* tables() const {
-    std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
+    tables_once.call([this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
   }
   DeviceQuestions there(const DevicePointView& view, const Options& options,
@@ -186,12 +186,12 @@ struct HullQuery::State {
   std::vector<std::uint32_t> facet_vertices;
   Adjacency<std::uint32_t> vertex_facets;
   InnerPolytope polytope;
-  mutable std::once_flag map_once;
+  mutable Once map_once;
   mutable std::unique_ptr<GaugeMap> gauge_map;
-  mutable std::once_flag tables_once;
+  mutable Once tables_once;
   mutable std::optional<HullTables> device_tables;
   mutable KeptTables kept_there;
-  mutable std::once_flag cells_once;
+  mutable Once cells_once;
   mutable std::atomic<bool> cells_built = false;
   mutable std::atomic<std::uint64_t> asked_there = 0;  // points on devices, of their sides
   mutable std::unique_ptr<FacetCells> cells;

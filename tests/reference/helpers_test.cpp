@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "parallel/threads/once.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::helpers_test {
@@ -74,6 +75,22 @@ TEST(Helpers, AnExceptionEndsTheLoop) {
                      }),
                  std::runtime_error);
     EXPECT_LT(begun, 100U);
+  }
+}
+
+TEST(Once, WhatThrewIsCalledAgain) {
+  for (unsigned k = 0; k < 3; ++k) {  // flags at one address
+    Once once;
+    EXPECT_THROW(once.call([] { throw std::runtime_error("first"); }), std::runtime_error);
+    std::atomic<unsigned> calls{0};
+    std::vector<std::thread> threads;
+    for (unsigned t = 0; t < 4; ++t)
+      threads.emplace_back([&] {
+        once.call([&] { ++calls; });
+        EXPECT_EQ(calls, 1U);
+      });
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(calls, 1U);
   }
 }
 

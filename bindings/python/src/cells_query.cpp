@@ -21,7 +21,7 @@ using cullhull::PointView;
 using cullhull::TriangulationQuery;
 
 const TriangulationQuery& Cells::query(const Options& options) const {
-  std::call_once(prepared_, [&] {
+  prepared_.call([&] {
     query_ =
         std::make_unique<TriangulationQuery>(points_.view(), triangulation_, weights_, options);
     is_prepared_ = true;
@@ -34,7 +34,7 @@ const NearestPoint* Cells::tree(const Options& options) const {
   if (!weights_array_.is_none() || triangulation_.furthest_site || view.count == 0 ||
       view.dimension > NearestPoint::most_dimensions)
     return nullptr;
-  std::call_once(planted_, [&] {
+  planted_.call([&] {
     tree_ = std::make_unique<const NearestPoint>(view, options);
     has_tree_ = true;
   });

@@ -51,7 +51,7 @@ Solid::Solid(std::shared_ptr<const Hull> hull, std::vector<double> vertex_rows)
     : shared_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}
 
 const std::vector<std::uint64_t>& Solid::ids() const {
-  std::call_once(sorted_, [this] {
+  sorted_.call([this] {
     ids_ = hull().vertices;
     std::sort(ids_.begin(), ids_.end());  // a polygon's are in cyclic order
   });
@@ -65,7 +65,7 @@ Solid::~Solid() {
 }
 
 const HullQuery& Solid::query() const {
-  std::call_once(prepared_, [this] {
+  prepared_.call([this] {
     Hull own = hull();
     own.vertex_coordinates.assign(vertex_rows_.begin(), vertex_rows_.end());
     query_ = std::make_unique<HullQuery>(own);

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/query.hpp"
+#include "parallel/threads/once.hpp"
 
 namespace binding {
 
@@ -58,7 +58,7 @@ class Solid {
   cullhull::Hull own_;
   std::shared_ptr<const cullhull::Hull> shared_;  ///< in place of own_, if any
   std::vector<double> vertex_rows_;
-  mutable std::once_flag sorted_, prepared_;
+  mutable cullhull::internal::Once sorted_, prepared_;
   mutable std::vector<std::uint64_t> ids_;  // sorted when first needed
   mutable std::unique_ptr<cullhull::HullQuery> query_;
   mutable std::atomic<bool> is_prepared_ = false;

@@ -5,12 +5,12 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "call.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_query.hpp"
+#include "parallel/threads/once.hpp"
 #include "points.hpp"
 
 namespace binding {
@@ -46,10 +46,10 @@ class Cells {
   nanobind::object points_array_, weights_array_;
   Points points_;
   std::vector<double> weights_;
-  mutable std::once_flag prepared_;
+  mutable cullhull::internal::Once prepared_;
   mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
   mutable std::atomic<bool> is_prepared_ = false;
-  mutable std::once_flag planted_;
+  mutable cullhull::internal::Once planted_;
   mutable std::unique_ptr<const cullhull::NearestPoint> tree_;
   mutable std::atomic<bool> has_tree_ = false;
 };

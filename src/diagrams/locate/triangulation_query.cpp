@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <type_traits>
 #include <variant>
@@ -23,6 +22,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/threads/once.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -281,13 +281,13 @@ struct TriangulationQuery::State {
   }
 
   const Extent& extent() const {
-    std::call_once(extent_once, [&] { made_extent.emplace(mesh); });
+    extent_once.call([&] { made_extent.emplace(mesh); });
     return *made_extent;
   }
   using Maps = std::variant<std::monostate, CellMaps<2>, CellMaps<3>, CellMaps<4>>;
   /// Of few cells in 2D to 4D; made when first asked for.
   const Maps& maps(const Run& run) const {
-    std::call_once(maps_once, [&] {
+    maps_once.call([&] {
       const unsigned k = mesh.corners == 0 ? 0 : mesh.corners - 1;
       if (k != mesh.dimension) return;
       with_dimension<2, 4, 0>(k, [&](auto known) {
@@ -382,7 +382,7 @@ struct TriangulationQuery::State {
   }
 
   const Adjacency<std::uint32_t>& graph(const Run& run) const {
-    std::call_once(graph_once, [&] {
+    graph_once.call([&] {
       made_graph = neighbour_rows(mesh, run);
       has_graph = true;
     });
@@ -404,7 +404,7 @@ struct TriangulationQuery::State {
     return &tree(run);
   }
   const NearestTree& tree(const Run& run) const {
-    std::call_once(tree_once, [&] {
+    tree_once.call([&] {
       const unsigned d = mesh.dimension;
       Array<double> rows(std::size_t{mesh.vertex_count()} * d);
       for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
@@ -417,7 +417,7 @@ struct TriangulationQuery::State {
   }
 
   WalkMesh mesh;
-  mutable std::once_flag graph_once, tree_once, extent_once, maps_once;
+  mutable Once graph_once, tree_once, extent_once, maps_once;
   mutable std::optional<const Extent> made_extent;
   mutable Maps made_maps;
   mutable Adjacency<std::uint32_t> made_graph;

@@ -199,7 +199,7 @@ std::vector<Range> gather_scaled(Frame& f, const Run& run) {
 }  // namespace
 
 const double* Frame::raw_at(std::uint32_t v) const {
-  std::call_once(raw_->gathered, [&] {
+  raw_->gathered.call([&] {
     raw_->rows.resize(scaled.size());
     std::vector<Range> ranges(dimension);
     gather(*points, *vertices, 0, vertices->size(), raw_->rows.data(), ranges.data());

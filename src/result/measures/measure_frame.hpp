@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 #include "exact/numbers/exact_float.hpp"
+#include "parallel/threads/once.hpp"
 #include "result/measures/share.hpp"
 
 namespace cullhull::internal {
@@ -41,7 +41,7 @@ struct Frame {
 
  private:
   struct Raw {
-    std::once_flag gathered;
+    Once gathered;
     std::vector<double> rows;
   };
   std::unique_ptr<Raw> raw_ = std::make_unique<Raw>();
