@@ -14,8 +14,7 @@ import numpy.typing as npt
 from ._errors import BackendUnavailable, InvalidArgument, NotFinite, ShapeWarning, warn
 from .geo._foreign_points import as_foreign, of_geometries
 
-#: Scalar types that are read where they lie; every value of each is exactly a double. C's long is
-#: one of them where it has 32 bits: there NumPy's int32 is a long.
+#: Types that are read in place; all their values are doubles. Windows' int32 is C's long.
 IN_PLACE = frozenset("?bBhHiIfd" + ("lL" if np.dtype("l").itemsize == 4 else ""))
 _DOUBLE = np.dtype(np.float64)
 _DLPACK_HOST = (1, 3, 11)  # CPU, and host memory pinned by CUDA or ROCm

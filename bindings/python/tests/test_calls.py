@@ -136,6 +136,7 @@ print(cullhull.convex_hull(points[:1000]).affine_dimension, flush=True)
 """
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals to other processes")
 def test_ctrl_c_interrupts():
     child = subprocess.Popen(
         [sys.executable, "-c", LONG], stdout=subprocess.PIPE, text=True, env=os.environ
@@ -161,6 +162,8 @@ def ring(*_):
 @contextlib.contextmanager
 def alarm(seconds, handler=ring, again=0):
     """The signal of a timer, for which `handler` is called."""
+    if not hasattr(signal, "setitimer"):
+        pytest.skip("no timer that sends a signal")
     before = signal.signal(signal.SIGALRM, handler)
     try:
         signal.setitimer(signal.ITIMER_REAL, seconds, again)
@@ -170,7 +173,6 @@ def alarm(seconds, handler=ring, again=0):
         signal.signal(signal.SIGALRM, before)
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends a signal")
 @pytest.mark.parametrize("kind", ["hull", "triangulation"])
 def test_unpickling_hears_a_signal(kind):
     """Its loops run signal handlers. Between the native call and extend() Python runs none."""
@@ -189,7 +191,6 @@ def test_unpickling_hears_a_signal(kind):
     assert made == []
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends a signal")
 def test_unpickling_of_cells_hears_a_signal_to_its_end():
     """At several moments: while links are compared, too, which takes most of the time."""
     from cullhull import _core
@@ -262,7 +263,7 @@ def _volume(seed):
     return cullhull.convex_hull(cullhull.generate("ball", 30_000, 3, seed=seed)).volume
 
 
-@pytest.mark.parametrize("method", ["fork", "spawn"])
+@pytest.mark.parametrize("method", {*multiprocessing.get_all_start_methods()} - {"forkserver"})
 def test_in_worker_processes(method):
     expected = [_volume(seed) for seed in (1, 2, 3)]  # the library's threads run before the fork
     with multiprocessing.get_context(method).Pool(2) as pool:

@@ -203,7 +203,7 @@ def test_keys_as_they_are_written(tmp_path):
     def keys(values):
         points = np.zeros((len(values), 2))
         cullhull.hulls_by(points, values).save(tmp_path / "a.json")
-        saved = json.loads((tmp_path / "a.json").read_text())
+        saved = json.loads((tmp_path / "a.json").read_bytes())
         assert saved["by"] == "key"
         return [group["key"] for group in saved["groups"]]
 

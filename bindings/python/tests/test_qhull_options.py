@@ -52,7 +52,7 @@ def test_each_has_its_kind():
 
 
 def test_the_documentation_names_each():
-    page = (Path(__file__).parents[3] / "docs" / "python.md").read_text()
+    page = (Path(__file__).parents[3] / "docs" / "python.md").read_text("utf-8")
     named = set(re.findall(r"`([^` ]+)`", page))
     families = {name[:-1] for name in named if name.endswith("…")}
     for option in DOCUMENTED:

@@ -1,6 +1,7 @@
 """Pictures and the command line."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,7 +113,7 @@ def test_view(tmp_path, monkeypatch):
     assert not opened and page == str(tmp_path / "hull.html")
     assert "<html" in (tmp_path / "hull.html").read_text()
     temporary = hull.view(points)
-    assert opened == ["file://" + temporary]
+    assert opened == [Path(temporary).as_uri()]
     with pytest.raises(cullhull.Error):
         hull.view(path=tmp_path / "no" / "folder.html")
 

@@ -172,7 +172,8 @@ def _said_once(
     except (Error, ImportError, MemoryError, Warning):
         raise
     except OSError as error:
-        if error.errno is not None:
+        # Windows reports an array that ends beyond its file as a lack of memory.
+        if error.errno is not None and getattr(error, "winerror", None) != 8:
             raise
         raise _damaged(name, ending, error) from error
     except Exception as error:
