@@ -5,6 +5,7 @@
 #   build      cullhull.exe, one file; cullhull.dll with import library, headers and CMake files
 #   wheel      the Python package for CPython 3.12 and later (stable ABI)
 #   test       the tests of core and io, and those of the program, each under wine
+#   package    the wheel in a Python of Windows under wine: pip installs it; its tests and its bytes
 #   short      of these what make test-all runs: tests/reference, the program beside Linux's, both
 #              compiled at -O1 in a folder of their own
 # Without STEP: all but the last, in this order. Everything lies in build/windows, what others get
@@ -220,8 +221,8 @@ results() { # results NAME: what its log counts
     { echo "$1: no result"; good=false; }
 }
 
-# The shared library exports public names alone. As a stranger's project uses it; where it is missing,
-# the system's loader names it in one line.
+# The shared library, of which public names alone are exported, as a stranger's project uses it;
+# where it is missing, the system's loader names it in one line.
 library_test() {
   local place=$tree/consumer
   [[ -e $sdk ]] || make_build
@@ -239,15 +240,69 @@ library_test() {
     grep -m 1 -o 'Library cullhull.dll.* not found' "$place/loader"
 }
 
-[[ $# -gt 0 ]] || set -- libraries build wheel test
+# A Python of Windows, as far as wine 8 goes: CPython's DLLs, which panda3d's wheel brings, and this
+# machine's Lib. Without _wmi, and with NumPy 1, as wine lacks what others call (VariantToString,
+# crealf). Its standard streams are pipes, as Python wants information that wine has of no file
+# which a shell of Unix opened.
+windows_python() { (cd "$tree/package" && wine python.exe "$@" </dev/null 2>&1 | cat); }
+
+make_package() {
+  local venv=$tree/python/venv place=$tree/package name wheel tests=() good=true
+  [[ -e $tree/python/complete && -n $(find "$dist" -name '*.whl' 2>/dev/null) ]] || make_wheel
+  wheel=$(echo "$dist"/*-win_amd64.whl)
+  rm -rf "$place"
+  mkdir -p "$place"/{Lib,files} "$tree/results"
+  name=$("$venv/bin/python" -c 'import sys; print("python3%d" % sys.version_info[1])')
+  "$venv/bin/pip" download --quiet --only-binary :all: --platform win_amd64 -d "$place/wheels" \
+    panda3d==1.10.16 'numpy<2' scipy trimesh pytest colorama pip ||
+    give_up "PyPI gives no $name of Windows"
+  python3 -m zipfile -e "$place"/wheels/panda3d-*.whl "$place/panda3d"
+  mv "$place"/panda3d/deploy_libs/{"$name.dll",*.pyd,lib*.dll,VC*.dll} "$place"
+  rm -r "$place"/{panda3d,_wmi.pyd}
+  tar -C "$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("stdlib"))')" \
+    --exclude='./*-packages' --exclude=./test --exclude=./lib-dynload --exclude='./config-*' \
+    --exclude=__pycache__ -c . | tar -C "$place/Lib" -x
+  sed "s/^_*Py[^ ]*/& = $name.&/" "$tree/python/python3.def" >"$place/python3.def"
+  $triplet-gcc-posix -shared "$place/python3.def" -o "$place/python3.dll"
+  echo '#include <wchar.h>
+    int Py_Main(int, wchar_t**);
+    int wmain(int count, wchar_t** words) { return Py_Main(count, words); }' |
+    $triplet-gcc-posix -municode -xc - -xnone "$place/$name.dll" -o "$place/python.exe"
+  windows_python "Z:$(echo "$place"/wheels/pip-*.whl)/pip" install --quiet --no-index \
+    --no-warn-script-location --find-links "Z:$place/wheels" "Z:$wheel" scipy trimesh pytest
+
+  # Left out: tests of the tree itself; concurrent.futures' pool, which waits for ever in wine; a
+  # program started for each format, which takes minutes there.
+  for name in $(bindings/python/tests/run.sh --short-files); do
+    [[ $name = test_package.py ]] || tests+=("Z:$PWD/bindings/python/tests/$name")
+  done
+  PYTHONDONTWRITEBYTECODE=1 windows_python -m pytest -q -p no:cacheprovider \
+    -k "not come_back_from_a_process_pool and not saved_as_the_program" "${tests[@]}" \
+    >"$tree/results/package.log" || good=false
+  echo "package: $(tail -n 1 "$tree/results/package.log")"
+  windows_python "Z:$PWD/tests/windows/wheel_test.py" "Z:$place/files" || good=false
+  [[ ! -x build/release/bin/cullhull ]] ||
+    python3 tests/windows/wheel_test.py "$place/files" "$PWD/build/release/bin/cullhull" ||
+    good=false
+
+  # On another system, and without what lies beside it: one line.
+  ! "$venv/bin/pip" install --no-deps "$wheel" 2>"$place/refused" || good=false
+  rm "$place/Lib/site-packages/cullhull/cullhull.dll"
+  ! windows_python -c 'import cullhull' >>"$place/refused" || good=false
+  grep 'is not a supported wheel' "$place/refused" && grep '^ImportError: DLL' "$place/refused" ||
+    good=false
+  $good
+}
+
+[[ $# -gt 0 ]] || set -- libraries build wheel test package
 for tool in $triplet-g++-posix $triplet-windres wine; do
   command -v $tool >/dev/null || give_up "no $tool (scripts/install-deps.sh windows)"
 done
 for step in "$@"; do
   case "$step" in
-    libraries | build | wheel | test | short) "make_$step" ;;
+    libraries | build | wheel | test | package | short) "make_$step" ;;
     *)
-      sed -n '2,14s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

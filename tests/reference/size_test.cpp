@@ -25,7 +25,7 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/io", 18655},   {"src/parallel", 3010}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 55},  {"src/stream", 1296},   {"src/tracker", 870},   {"bindings", 32880},
     {"tests", 55300},    {"docs", 10870},        {"apps", 9545},         {"bench", 7560},
-    {"viewer", 3445},    {"scripts", 4145},
+    {"viewer", 3445},    {"scripts", 4185},
 };
 
 bool is_text(const fs::path& file) {
