@@ -52,8 +52,8 @@ struct WayRow {
 inline constexpr std::uint64_t most_of_engine = 0xFFFFFFFE, any_number = ~0ULL;
 inline constexpr std::uint64_t few_bytes = 1 << 22, few_bytes_nd = 1 << 23;
 
-/// Points that are tested against all facets at once, in vectors. Those of WebAssembly have 128 bits:
-/// of a sphere the engine is faster from 512 points on there, of a ball from 800 on.
+/// Points that are tested against all facets at once, in vectors. Those of WebAssembly have 128
+/// bits: of a sphere the engine is faster from 512 points on there, of a ball from 800 on.
 #if defined(__EMSCRIPTEN__)
 inline constexpr std::uint64_t few_most = 512;
 #else

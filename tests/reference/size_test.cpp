@@ -20,12 +20,12 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::size_t> budgets = {
     {"include", 3735},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
     {"src/cuda", 5700},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
-    {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8910},
+    {"src/exact", 4635}, {"src/extreme", 970},   {"src/few", 1855},      {"src/filter", 8910},
     {"src/flow", 1650},  {"src/generate", 660},  {"src/geometry", 1640}, {"src/hull", 6225},
     {"src/io", 18655},   {"src/parallel", 3010}, {"src/query", 3490},    {"src/result", 7620},
-    {"src/shared", 55},  {"src/stream", 1296},   {"src/tracker", 870},   {"bindings", 32880},
-    {"tests", 55300},    {"docs", 10870},        {"apps", 9545},         {"bench", 7560},
-    {"viewer", 3445},    {"scripts", 4185},
+    {"src/shared", 55},  {"src/stream", 1296},   {"src/tracker", 870},   {"bindings", 32885},
+    {"tests", 55490},    {"docs", 10900},        {"apps", 9545},         {"bench", 7560},
+    {"viewer", 3445},    {"scripts", 4205},
 };
 
 bool is_text(const fs::path& file) {
@@ -106,8 +106,8 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 570U);
-  EXPECT_LE(files_with(root / "include", header, type).second, 85U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 571U);
+  EXPECT_LE(files_with(root / "include", header, type).second, 86U);
 }
 
 // Four texts write the lists of a canonical result: of polygons, of triangles and of simplices, few
