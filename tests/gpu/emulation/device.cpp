@@ -212,8 +212,9 @@ bool count_pinned() {
   const long number = static_cast<long>(++the_counters.pinned_allocations);
   return the_settings.failing_pinned_from == 0 || number < the_settings.failing_pinned_from;
 }
-void count_copy(cudaStream_t stream, std::size_t bytes) {
+void count_copy(cudaStream_t stream, std::size_t bytes, cudaMemcpyKind kind) {
   ++the_counters.copies;
+  if (kind != cudaMemcpyDeviceToDevice) the_counters.link_bytes += bytes;
   // Of 1 MiB: 20 us over a link of 55 GB/s, longer than the host takes to go on.
   if (bytes >= std::size_t{1} << 20) ++resolve(stream)->work;
 }

@@ -30,7 +30,7 @@ bool may_allocate(std::size_t bytes);
 void count_allocation(std::ptrdiff_t bytes);
 /// False: the test wants this allocation of pinned memory to fail.
 bool count_pinned();
-void count_copy(cudaStream_t stream, std::size_t bytes);
+void count_copy(cudaStream_t stream, std::size_t bytes, cudaMemcpyKind kind);
 void count_trim();
 void count_wait();
 void count_look();

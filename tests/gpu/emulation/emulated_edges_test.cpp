@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <new>
@@ -186,12 +187,20 @@ TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsReportedAndStays) {
   EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
 }
 
-/// How often the device has nothing to do until a call goes on.
+/// How often the device has nothing to do until a call goes on, and what the call copies between
+/// host and device.
+struct Cost {
+  std::uint64_t waits, link_bytes;
+};
 template <class Call>
-std::uint64_t waits_of(const Call& call) {
-  const std::uint64_t before = emulation::counters().waits;
+Cost cost_of(const char* what, const Call& call) {
+  const emulation::Counters before = emulation::counters();
   call();
-  return emulation::counters().waits - before;
+  const emulation::Counters after = emulation::counters();
+  const Cost cost{after.waits - before.waits, after.link_bytes - before.link_bytes};
+  std::cout << what << ": " << cost.waits << " waits, " << cost.link_bytes
+            << " bytes over the link\n";
+  return cost;
 }
 
 // Each wait takes some 10 us of a device's time, as a round of flips does.
@@ -200,11 +209,19 @@ TEST_F(EmulatedEdges, CallsWaitSeldom) {
   const OnDevice there(rows);
   const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
   const Options options = on_device(CullMethod::automatic);
-  EXPECT_LE(waits_of([&] { convex_hull(view, options); }), 4U);
-  EXPECT_LE(waits_of([&] { convex_hull_on_device(view, options); }), 6U);
+  // The hull, with coordinates, and some words a round: of the points' 240,000 bytes nothing.
+  constexpr std::uint64_t hull_bytes = 120000, few_bytes = 26000;
+  const Cost hull = cost_of("hull", [&] { convex_hull(view, options); });
+  EXPECT_LE(hull.waits, 4U);
+  EXPECT_LE(hull.link_bytes, hull_bytes);
+  const Cost left = cost_of("hull left there", [&] { convex_hull_on_device(view, options); });
+  EXPECT_LE(left.waits, 6U);
+  EXPECT_LE(left.link_bytes, few_bytes);
   HullTracker tracker(options);
   tracker.update(view);
-  EXPECT_LE(waits_of([&] { tracker.update(view); }), 2U);
+  const Cost frame = cost_of("frame", [&] { tracker.update(view); });
+  EXPECT_LE(frame.waits, 2U);
+  EXPECT_LE(frame.link_bytes, hull_bytes);
   EXPECT_TRUE(testing_support::has(tracker.hull().statistics.cull_reason, "the last frame's"));
 }
 
@@ -215,7 +232,10 @@ TEST_F(EmulatedEdges, ASphereWaitsOnceMore) {
     const auto rows = testing_support::made<float>("sphere", n, 3, 5);
     const OnDevice there(rows);
     const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
-    EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 5U) << n;
+    const Cost cost =
+        cost_of("sphere", [&] { convex_hull(view, on_device(CullMethod::automatic)); });
+    EXPECT_LE(cost.waits, 5U) << n;
+    EXPECT_LE(cost.link_bytes, n * 150) << n;
   }
 }
 

@@ -60,6 +60,7 @@ struct Counters {
   /// Waits for all that a stream has to do, and for a part of it.
   std::uint64_t waits = 0, looks = 0;
   std::size_t live_bytes = 0, peak_bytes = 0;  ///< of device memory
+  std::uint64_t link_bytes = 0;                ///< copied between host and device
 };
 Counters counters();
 

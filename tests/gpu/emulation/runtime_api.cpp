@@ -78,7 +78,7 @@ void require_host(const void* p) {
 cudaError_t copy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
                  cudaStream_t stream) {
   if (bytes == 0) return cudaSuccess;
-  count_copy(stream, bytes);
+  count_copy(stream, bytes, kind);
   if (kind == cudaMemcpyHostToDevice) {
     require_device_range(to, bytes, "a copy to the device");
     require_host(from);
