@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cullhull/device_hull.hpp"
+#include "cullhull/track.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"
 #include "gpu/same_batch.hpp"
@@ -67,26 +69,40 @@ class RandomCall : public RandomWork<RandomCall> {
   void run_as() {
     const unsigned d = 2 + static_cast<unsigned>(below(4));
     const std::vector<T> rows = points<T>(d);
-    const std::uint64_t expected = plain_hash(rows, d);
+    std::vector<T> moved = rows;
+    const T share = T(1) / static_cast<T>(below(400) + 1);
+    if (!one_in(4))  // else a second frame like the first
+      for (T& v : moved) v += v * share * static_cast<T>(below(1000)) / 1000;
+    const std::uint64_t expected = plain_hash(rows, d), expected_moved = plain_hash(moved, d);
     const Options o = options();
     const int holder = static_cast<int>(below(2));
     emulation::settings().devices = 2;
     check(cudaSetDevice(holder));
-    const Laid<T> laid(*this, rows, d);
+    const Laid<T> laid(*this, rows, d), later(*this, moved, d);
     emulation::restart(seed_ + 1);
     choose_failures();
     emulation::settings().devices = 2;
-    if (laid.which != 0) check(cudaSetDevice(static_cast<int>(below(2))));
+    const bool may_fail = o.backend == Backend::cuda || no_way_here_;
+    if (laid.which != 0 && later.which != 0) check(cudaSetDevice(static_cast<int>(below(2))));
     const auto host = PointView::row_major(rows.data(), laid.n, d);
     if (one_in(4))
       outcome(expected, true,
               [&] { return fetched_hull(convex_hull_on_device(laid.view, o), host); });
+    else if (one_in(3))
+      outcome(expected_moved, may_fail, [&] { return last_hull({laid.view, later.view}, o); });
     else
-      outcome(expected, o.backend == Backend::cuda || no_way_here_,
+      outcome(expected, may_fail,
               [&] { return below(4) == 0 ? convex_hull(host, o) : convex_hull(laid.view, o); });
     emulation::settings() = {};
     emulation::settings().devices = 2;
     check(cudaSetDevice(holder));
+  }
+
+  /// That of the last of two frames of points that move, or stay.
+  static Hull last_hull(std::initializer_list<DevicePointView> frames, const Options& options) {
+    HullTracker tracker(options);
+    for (const DevicePointView& frame : frames) tracker.update(frame);
+    return tracker.hull();
   }
 
   /// The CPU's hull with what a hull on the device has in place of its own.
