@@ -1,5 +1,9 @@
 // Sets without volume: no points, few, all equal, collinear, coplanar, in any flat of 3D to 6D.
+#include <algorithm>
+#include <cmath>
+
 #include "all_paths.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support::flat_sets_test {
