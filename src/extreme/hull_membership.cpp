@@ -193,7 +193,7 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
       ((2.0 * d_ + 6) * unit_roundoff + 2 * points_.coordinate_error) * size + 0x1p-1000;
   against = farthest.id;
   if (farthest.least > bound) return Answer::separated;
-  if (farthest.least < -bound) return Answer::unknown;
+  if (farthest.least < -bound || points_.exact != points_.coordinates) return Answer::unknown;
   // Doubtful signs are decided exactly; the other points exceed the bound on the right side.
   const auto doubtful =
       std::find_if(others.ids().begin(), others.ids().end(),
@@ -392,8 +392,7 @@ bool HullMembership::certain_inside(std::uint32_t point) const {
   return solves_without_negatives(a);
 }
 
-/// Returns the sign of direction_ . (q - point), exactly; 0 may mean unknown if coordinates are not
-/// exact.
+/// Returns the sign of direction_ . (q - point), exactly. Coordinates must be exact.
 int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   const double* x = points_.row(q);
   double sum = 0, size = 0;
@@ -403,7 +402,6 @@ int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
     size += std::abs(term);
   }
   const double bound = (d_ + 4.0) * unit_roundoff * size + 0x1p-1000;
-  if (points_.exact != points_.coordinates) return 0;
   if (sum > bound) return 1;
   if (sum < -bound) return -1;
   mpq_class exact;

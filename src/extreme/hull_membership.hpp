@@ -38,8 +38,7 @@ namespace cullhull::internal {
 /// docs/exactness.md, "Extreme points without facets".
 class SimplexInverse {
  public:
-  /// Returns false if the simplex is too flat for doubles. |x|
-  /// <= 1.
+  /// Returns false if the simplex is too flat for doubles. Requires |x| <= 1.
   bool set(const LocalPoints& points, const std::uint32_t* corners);
   /// Whether x is provably strictly inside.
   bool surely_inside(const double* x) const;
