@@ -3,11 +3,12 @@
 #   scripts/check-artifacts.sh         in Debian 11, 12, 13 and testing without a compiler, which
 #                                      debootstrap makes in build/roots (as root, with a mirror);
 #                                      ROOTS="bookworm bullseye" names others. The static programs also
-#                                      in a folder with nothing else, that for ARM by qemu, that for
-#                                      Windows in an empty prefix of wine, where these are installed
+#                                      in a folder with nothing else, that for Windows in an empty
+#                                      prefix of wine, what is for ARM by qemu, where these are
+#                                      installed; the sources in a root that has what they need
 #   scripts/check-artifacts.sh --here  without root and network: what can be run on this machine
 #   scripts/check-artifacts.sh --rebuild  builds the commit again, in another folder and without
-#                                      ccache, and compares what is for this machine byte by byte
+#                                      ccache, and compares what is for this system byte by byte
 # Every artifact must give the hull of data/autzen-150k.ply, as JSON, bit for bit alike, also of the
 # same points as .gz, .zst and .npz, certify it, and give their triangulation; PROGRAM names the built
 # program that says how they are. Exit status 77: nothing to check, or not here.
@@ -45,12 +46,16 @@ broken() {
 static=$dist/cullhull-$version-linux-$(uname -m)
 shopt -s nullglob
 statics=("$dist/cullhull-$version"-linux-*)
-wheels=("$dist/cullhull-$version"-*linux*.whl)
+wheels=("$dist/cullhull-$version"-*manylinux*"$(uname -m)".whl)
+foreign=() # wheels for another processor or C library
+for file in "$dist/cullhull-$version"-*linux*.whl; do
+  [[ " ${wheels[*]} " == *" $file "* ]] || foreign+=("$file")
+done
 exe=$dist/cullhull-$version-windows-x86_64.exe
 # find_launch FILE: sets `launch`, which runs it. False where that is not installed.
 find_launch() {
   launch=()
-  [[ $1 == *"-$(uname -m)" ]] && return
+  [[ $1 != *"$(uname -m)"* ]] || return 0
   launch=(qemu-aarch64-static)
   command -v "${launch[0]}" >/dev/null || { echo "left out: no ${launch[0]} for ${1##*/}" && false; }
 }
@@ -126,10 +131,11 @@ here() {
     hulls "program for Windows" env -u DISPLAY -u WAYLAND_DISPLAY "WINEPREFIX=$scratch/wine" \
       WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml,winemenubuilder.exe=' wine "$exe"
   fi
-  for wheel in "${wheels[@]}"; do
+  for wheel in "${wheels[@]}" "${foreign[@]}"; do
+    find_launch "$wheel" || continue
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
     chmod +x "$scratch/wheel/cullhull/bin/cullhull"
-    hulls "program of $(basename "$wheel")" "$scratch/wheel/cullhull/bin/cullhull"
+    hulls "program of $(basename "$wheel")" "${launch[@]}" "$scratch/wheel/cullhull/bin/cullhull"
     checks=$((checks + 1))
     cmp -s packaging/THIRD-PARTY.txt \
       "$scratch"/wheel/cullhull-*.dist-info/licenses/packaging/THIRD-PARTY.txt ||
@@ -190,12 +196,12 @@ inside() {
   unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$folder" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
     PIP_DISABLE_PIP_VERSION_CHECK=1 DEBIAN_FRONTEND=noninteractive "$@"
 }
-# within NAME ROOT COMMAND: at most ten minutes, its output shown where it fails.
+# within NAME ROOT COMMAND: at most ten minutes, or `limit` seconds, its output shown where it fails.
 within() {
   local name=$1 folder=$2 before=$SECONDS
   shift 2
   checks=$((checks + 1))
-  if inside "$folder" timeout 600 bash -c "$*" >"$scratch/log" 2>&1; then
+  if inside "$folder" timeout "${limit:-600}" bash -c "$*" >"$scratch/log" 2>&1; then
     echo "ok    $name: $((SECONDS - before)) s"
   else
     echo "WRONG $name:" && tail -n 5 "$scratch/log"
@@ -248,8 +254,8 @@ prepare() { # prepare CODENAME: an empty root with Python, and what is to be ins
   local folder=$root/build/roots/$1
   if [[ ! -e $folder/complete ]]; then
     rm -rf "$folder" && mkdir -p "$folder"
-    debootstrap --variant=minbase --include=ca-certificates,python3,python3-pip,python3-venv "$1" "$folder" \
-      "$mirror" "$(debootstrap_script "$1")" >"$folder.log" 2>&1 || give_up "no $1 from $mirror ($folder.log)"
+    debootstrap --variant=minbase --include=ca-certificates,python3,python3-pip,python3-venv "${1%-sdist}" "$folder" \
+      "$mirror" "$(debootstrap_script "${1%-sdist}")" >"$folder.log" 2>&1 || give_up "no $1 from $mirror ($folder.log)"
     touch "$folder/complete"
   fi
   [[ ! -e $folder/usr/bin/cc && ! -e $folder/usr/bin/g++ ]] || give_up "$folder has a compiler"
@@ -259,6 +265,123 @@ prepare() { # prepare CODENAME: an empty root with Python, and what is to be ins
   cp "$dist"/* "$folder/check/"
   # Whatever this machine trusts to reach a registry through.
   [[ -z ${PIP_CERT:-} ]] || cp "$PIP_CERT" "$folder/check/certificates"
+}
+
+# What an installed package must do, also on a thread with the least stack that docs/machines.md names.
+use='
+import cullhull, numpy, threading
+points = numpy.floor(30 * cullhull.generate("cube", 2000, 3)) # without numpy.random, which needs zlib
+def run():
+    hull = cullhull.convex_hull(points)
+    assert cullhull.certify(points, hull).valid, hull
+    done.append(len(hull.vertices))
+done = []
+run()
+threading.stack_size(128 << 10)
+thread = threading.Thread(target=run)
+thread.start(), thread.join()
+assert len(done) == 2, done
+try:  # this exception passes through a frame of glibc (std::call_once)
+    cullhull.convex_hull(numpy.empty((0, 3))).contains([0.0, 0.0, 0.0])
+except ValueError:
+    print("package used")'
+
+# python_of PLATFORM TAG: sets `python`, its version, and `launch`, which runs that Python for that
+# system: Debian's for ARM, or for musl one that is built here of Debian's sources, as Debian has
+# none. False for others.
+python_of() {
+  local platform=$1 tag=$2 machine=aarch64 debian=arm64 codename folder package
+  case $tag in
+    cp39) python=3.9 codename=bullseye ;;
+    cp311) python=3.11 codename=bookworm ;;
+    cp312) python=3.13 codename=trixie ;;
+    *) return 1 ;;
+  esac
+  mkdir -p build/roots
+  folder=$(realpath build/roots)/$platform-$python # which the Python itself names
+  launch=(qemu-aarch64-static -L "$folder" "$folder/usr/bin/python$python")
+  [[ $platform != *x86_64 ]] || machine=x86_64 debian=amd64 launch=("${launch[3]}")
+  [[ ${#launch[@]} -eq 1 ]] || command -v "${launch[0]}" >/dev/null || return 1
+  [[ ! -e $folder/complete ]] || return 0
+  [[ $platform == many* ]] || command -v $machine-linux-gnu-gcc >/dev/null || return 1
+  rm -rf "$folder" && mkdir -p "$folder/made" && pushd "$folder/made" >/dev/null
+  if [[ $platform == manylinux* ]]; then
+    fetch_deb "$debian" "$codename" install --download-only -y --no-install-recommends \
+      -o "Dir::Cache::archives=$PWD" "python$python" libstdc++6 # that of NumPy
+    [[ $codename == bullseye ]] || ln -s usr/lib "$folder/lib"
+    for package in *.deb; do dpkg -x "$package" "$folder"; done
+  else
+    (musl_python) >log 2>&1 || give_up "no Python for $platform: $(tail -n 1 log)"
+  fi
+  popd >/dev/null
+  rm -rf "$folder/made" && touch "$folder/complete"
+}
+# fetch_deb ARCHITECTURE CODENAME APT-GET-COMMAND...: into the working directory.
+fetch_deb() {
+  local keys=/usr/share/keyrings/debian-archive-keyring.gpg
+  ARCHITECTURE=$1 "$root/scripts/apt-fetch.sh" "lists-$2" "$(printf '%s [signed-by=%s] %s %s main\n' \
+    deb $keys "$mirror" "$2" deb-src $keys "$mirror" "$2")" "${@:3}" || give_up "$mirror has not given: ${*:4}"
+}
+# Debian's sources of `python`, compiled against the musl of Debian 13, which becomes a part of
+# `folder`. For ARM by the Python that is built of them for x86-64.
+musl_python() {
+  local specs=$folder/usr/lib/$machine-linux-musl/musl-gcc.specs flags=-O1 native=()
+  fetch_deb $debian trixie download musl musl-dev musl-tools
+  for package in *.deb; do dpkg -x "$package" "$folder"; done
+  ln -s usr/lib "$folder/lib"
+  sed -i "s#/usr/#$folder/usr/#g" "$specs"
+  if [[ $machine == x86_64 ]]; then
+    sed -i "s#/lib/ld-musl#$folder&#" "$specs"
+  else
+    (cd "$root" && python_of musllinux_1_2_x86_64 "$tag") || return 1
+    PATH=${folder/aarch64/x86_64}/usr/bin:$PATH
+    # GCC's libraries for atomic numbers are glibc's.
+    flags+=" -mno-outline-atomics"
+    native=(--build=x86_64-linux-gnu --host=aarch64-linux-musl --with-build-python --disable-ipv6
+      ac_cv_file__dev_ptmx=yes ac_cv_file__dev_ptc=no ac_cv_libatomic_needed=no
+      READELF=aarch64-linux-gnu-readelf)
+  fi
+  fetch_deb $debian $codename source --download-only "python$python"
+  tar xf "python$python"_*.orig.tar.?z --strip-components=1
+  # Neither Debian's name of this system nor its headers and libraries, which are of glibc.
+  sed -i 's/MULTIARCH=$($CC --print-multiarch.*/MULTIARCH=/' configure
+  [[ ! -e setup.py ]] || sed -i 's/def add_multiarch_paths(self):/&\n        return/' setup.py
+  ./configure --prefix=/usr --without-ensurepip --disable-test-modules PKG_CONFIG=false \
+    CFLAGS="$flags" CC="$machine-linux-gnu-gcc -specs $specs" "${native[@]}" &&
+    make -j "$(nproc)" && make DESTDIR="$folder" install
+}
+# try_foreign WHEEL: pip takes it and NumPy for that system, and a Python of that system uses them.
+try_foreign() {
+  local name=${1##*/} platform=${1##*-} tag python launch
+  platform=${platform%.whl} tag=${name#"cullhull-$version-"} tag=${tag%%-*}
+  python_of "$platform" "$tag" || { echo "left out: no Python for $name" && return; }
+  python3 -m venv "$scratch/venv" && rm -rf "$scratch/site"
+  "$scratch/venv/bin/pip" install --quiet --target "$scratch/site" --python-version "$python" \
+    --only-binary :all: --platform "$platform" --platform "${platform/2_31/2_28}" \
+    --platform "${platform/2_31/2_17}" --platform "${platform/1_2/1_1}" "$1"
+  PYTHONPATH=$scratch/site "${launch[@]}" -c "$use" >"$scratch/log" 2>&1 || cat "$scratch/log"
+  same "$name: import cullhull, by Python $python" "$scratch/log" <(echo "package used")
+}
+# The sources: pip compiles them where what docs/install.md names for this is installed.
+try_sdist() {
+  local folder=$root/build/roots/bookworm-sdist tree=cullhull-$version pip=""
+  rm -rf "$folder"
+  prepare bookworm-sdist
+  [[ ! -e $folder/check/certificates ]] || pip="--cert /check/certificates"
+  limit=3600 within "sdist: pip install" "$folder" "cd /check && tar xf $tree.tar.gz && apt-get update &&
+    $tree/scripts/install-deps.sh build python && python3 -m venv venv &&
+    venv/bin/pip install $pip $tree.tar.gz"
+  within "sdist: import cullhull" "$folder" "/check/venv/bin/python -c '$use'"
+  inside_hulls "sdist: its program" "$folder" /check/venv/bin/cullhull
+}
+
+# What windows.sh has built: DLL and wheel, the latter in a Python of Windows.
+try_windows() {
+  [[ -e $exe ]] && command -v wine >/dev/null || return 0
+  checks=$((checks + 1))
+  cmp -s "build/windows/dist/${exe##*/}" "$exe" && PROGRAM=$program scripts/windows.sh package >"$scratch/log" 2>&1 ||
+    { broken "DLL and wheel for Windows:" && tail -n 5 "$scratch/log" && return; }
+  echo "ok    DLL and wheel for Windows: $(grep '^package:' "$scratch/log")"
 }
 
 # try_root CODENAME: static and wheel, and the packages where they belong
@@ -276,15 +399,7 @@ try_root() {
     within "$codename: pip install $wheel" "$folder" "cd /check && rm -rf venv &&
       python3 -m venv venv && venv/bin/pip install $pip $wheel"
     inside_hulls "$codename: the wheel's program" "$folder" /check/venv/bin/cullhull
-    within "$codename: import cullhull" "$folder" "/check/venv/bin/python -c '
-import cullhull, numpy
-points = numpy.random.default_rng(1).random((1000, 3))
-hull = cullhull.convex_hull(points)
-assert cullhull.certify(points, hull).valid, hull
-try:  # this exception passes through a frame of glibc (std::call_once)
-    cullhull.convex_hull(numpy.empty((0, 3))).contains([0.0, 0.0, 0.0])
-except ValueError:
-    pass'"
+    within "$codename: import cullhull" "$folder" "/check/venv/bin/python -c '$use'"
     if [[ $codename == bookworm ]]; then
       inside "$folder" apt-get -qq update >/dev/null 2>&1 || true
       within "$codename: pipx install $wheel" "$folder" "apt-get install -y --no-install-recommends \
@@ -325,6 +440,9 @@ case "${1:-}" in
     command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh roots)"
     here
     for file in "${statics[@]}"; do try_alone "$file"; done
+    for file in "${foreign[@]}"; do try_foreign "$file"; done
+    [[ ! -e $dist/cullhull-$version.tar.gz ]] || try_sdist
+    try_windows
     for codename in ${ROOTS:-bookworm bullseye trixie testing}; do
       try_root "$codename"
     done

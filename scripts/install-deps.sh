@@ -24,7 +24,7 @@ fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
 package=(python3 dpkg-dev file debian-archive-keyring)
-roots=(lintian zstd debootstrap debian-archive-keyring qemu-user-static)
+roots=(lintian zstd debootstrap debian-archive-keyring qemu-user-static gcc-aarch64-linux-gnu)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 zig=(llvm m4 make curl bzip2 xz-utils python3 python3-venv)
 # 170 MB to fetch, 1.1 GB on disk.

@@ -5,7 +5,8 @@
 #   build      cullhull.exe, one file; cullhull.dll with import library, headers and CMake files
 #   wheel      the Python package for CPython 3.12 and later (stable ABI)
 #   test       the tests of core and io, and those of the program, each under wine
-#   package    the wheel in a Python of Windows under wine: pip installs it; its tests and its bytes
+#   package    a project that links the DLL; the wheel in a Python of Windows under wine: pip installs
+#              it; its tests and its bytes, beside those of PROGRAM (build/release/bin/cullhull)
 #   short      of these what make test-all runs: tests/reference, the program beside Linux's, both
 #              compiled at -O1 in a folder of their own
 # Without STEP: all but the last, in this order. Everything lies in build/windows, what others get
@@ -170,7 +171,6 @@ make_test() {
   local good=true
   run_tests reference exactness agreement || good=false
   program_tests || good=false
-  library_test || good=false
   $good
 }
 
@@ -248,6 +248,8 @@ windows_python() { (cd "$tree/package" && wine python.exe "$@" </dev/null 2>&1 |
 
 make_package() {
   local venv=$tree/python/venv place=$tree/package name wheel tests=() good=true
+  local program=${PROGRAM:-build/release/bin/cullhull}
+  library_test || good=false
   [[ -e $tree/python/complete && -n $(find "$dist" -name '*.whl' 2>/dev/null) ]] || make_wheel
   wheel=$(echo "$dist"/*-win_amd64.whl)
   rm -rf "$place"
@@ -281,9 +283,8 @@ make_package() {
     >"$tree/results/package.log" || good=false
   echo "package: $(tail -n 1 "$tree/results/package.log")"
   windows_python "Z:$PWD/tests/windows/wheel_test.py" "Z:$place/files" || good=false
-  [[ ! -x build/release/bin/cullhull ]] ||
-    python3 tests/windows/wheel_test.py "$place/files" "$PWD/build/release/bin/cullhull" ||
-    good=false
+  [[ ! -x $program ]] ||
+    python3 tests/windows/wheel_test.py "$place/files" "$(realpath "$program")" || good=false
 
   # On another system, and without what lies beside it: one line.
   ! "$venv/bin/pip" install --no-deps "$wheel" 2>"$place/refused" || good=false
@@ -302,7 +303,7 @@ for step in "$@"; do
   case "$step" in
     libraries | build | wheel | test | package | short) "make_$step" ;;
     *)
-      sed -n '2,15s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,16s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac
