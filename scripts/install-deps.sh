@@ -78,7 +78,7 @@ else
   exit 1
 fi
 as_root+=(DEBIAN_FRONTEND=noninteractive)
-install=(apt-get install -y --no-install-recommends "${missing[@]}")
+install=(apt-get install -y --no-install-recommends -o APT::Keep-Downloaded-Packages=false "${missing[@]}")
 
 # The package index of a fresh machine is empty, that of an old one may name files long gone.
 if ! "${as_root[@]}" "${install[@]}" --dry-run >/dev/null 2>&1; then
