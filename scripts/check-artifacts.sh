@@ -132,7 +132,7 @@ here() {
       WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml,winemenubuilder.exe=' wine "$exe"
   fi
   for wheel in "${wheels[@]}" "${foreign[@]}"; do
-    find_launch "$wheel" || continue
+    find_launch "$wheel" && [[ ${#launch[@]} -eq 0 || $wheel != *manylinux* ]] || continue # try_foreign
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
     chmod +x "$scratch/wheel/cullhull/bin/cullhull"
     hulls "program of $(basename "$wheel")" "${launch[@]}" "$scratch/wheel/cullhull/bin/cullhull"
@@ -337,7 +337,7 @@ musl_python() {
     PATH=${folder/aarch64/x86_64}/usr/bin:$PATH
     # GCC's libraries for atomic numbers are glibc's.
     flags+=" -mno-outline-atomics"
-    native=(--build=x86_64-linux-gnu --host=aarch64-linux-musl --with-build-python --disable-ipv6
+    native=(--build=x86_64-linux-musl --host=aarch64-linux-musl --with-build-python --disable-ipv6
       ac_cv_file__dev_ptmx=yes ac_cv_file__dev_ptc=no ac_cv_libatomic_needed=no
       READELF=aarch64-linux-gnu-readelf)
   fi
@@ -361,16 +361,17 @@ try_foreign() {
     --platform "${platform/2_31/2_17}" --platform "${platform/1_2/1_1}" "$1"
   PYTHONPATH=$scratch/site "${launch[@]}" -c "$use" >"$scratch/log" 2>&1 || cat "$scratch/log"
   same "$name: import cullhull, by Python $python" "$scratch/log" <(echo "package used")
+  [[ $platform != many* ]] || hulls "program of $name" "${launch[@]:0:3}" "$scratch/site/cullhull/bin/cullhull"
 }
 # The sources: pip compiles them where what docs/install.md names for this is installed.
 try_sdist() {
   local folder=$root/build/roots/bookworm-sdist tree=cullhull-$version pip=""
   rm -rf "$folder"
   prepare bookworm-sdist
-  [[ ! -e $folder/check/certificates ]] || pip="--cert /check/certificates"
+  [[ ! -e $folder/check/certificates ]] || pip="PIP_CERT=/check/certificates" # also of what it starts
   limit=3600 within "sdist: pip install" "$folder" "cd /check && tar xf $tree.tar.gz && apt-get update &&
     $tree/scripts/install-deps.sh build python && python3 -m venv venv &&
-    venv/bin/pip install $pip $tree.tar.gz"
+    $pip venv/bin/pip install $tree.tar.gz"
   within "sdist: import cullhull" "$folder" "/check/venv/bin/python -c '$use'"
   inside_hulls "sdist: its program" "$folder" /check/venv/bin/cullhull
 }
