@@ -133,7 +133,8 @@ make_cross() {
   for target in {x86_64,aarch64}-linux-musl aarch64-linux-gnu.2.31; do
     machine=${target%%-*} platform=musllinux_1_2_$machine
     [[ $target == *musl ]] || platform=manylinux_2_31_$machine
-    for raw in build/wheel/venv-*/raw/*.whl; do
+    for raw in build/wheel/venv-*/raw/cullhull-"$version"-*.whl; do
+      [[ -e $raw ]] || { echo "artifacts: cross comes after wheel or wheels" >&2 && exit 1; }
       venv=$root/${raw%/raw/*} abi='*'
       [[ $raw != *-abi3-* ]] || abi=abi3
       rm -rf "$made" "build/cross/$target"/bindings/python/_core*.so
