@@ -132,7 +132,7 @@ here() {
       WINEDEBUG=-all WINEDLLOVERRIDES='mscoree,mshtml,winemenubuilder.exe=' wine "$exe"
   fi
   for wheel in "${wheels[@]}" "${foreign[@]}"; do
-    find_launch "$wheel" && [[ ${#launch[@]} -eq 0 || $wheel != *manylinux* ]] || continue # try_foreign
+    find_launch "$wheel" && [[ ${#launch[@]} -eq 0 || $wheel != *manylinux* ]] || continue # those by try_foreign
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
     chmod +x "$scratch/wheel/cullhull/bin/cullhull"
     hulls "program of $(basename "$wheel")" "${launch[@]}" "$scratch/wheel/cullhull/bin/cullhull"
